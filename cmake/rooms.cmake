@@ -1,0 +1,31 @@
+# One static library per room (a folder below source/), linked to the rooms below it and to the packages it may use.
+
+# Trilinos 13 has no modern targets for its include folders: gather them in one interface library.
+add_library(Trilinos INTERFACE)
+target_include_directories(Trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
+target_link_libraries(Trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
+
+# deal.II likewise; its own macros would force its flags on every target.
+add_library(deal.II INTERFACE)
+target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
+target_link_libraries(deal.II INTERFACE ${DEAL_II_TARGET_RELEASE} Trilinos)
+
+add_library(kedge_options INTERFACE)
+target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
+target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter)
+if(KEDGE_NATIVE)
+  target_compile_options(kedge_options INTERFACE -march=native)
+endif()
+
+function(kedge_room name)
+  cmake_parse_arguments(ROOM "" "" "ROOMS;LINKS;PRIVATE_LINKS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
+  list(TRANSFORM ROOM_ROOMS PREPEND kedge_)
+  if(sources)
+    add_library(kedge_${name} STATIC ${sources})
+    target_link_libraries(kedge_${name} PUBLIC kedge_options ${ROOM_ROOMS} ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
+  else()
+    add_library(kedge_${name} INTERFACE)
+    target_link_libraries(kedge_${name} INTERFACE kedge_options ${ROOM_ROOMS} ${ROOM_LINKS})
+  endif()
+endfunction()

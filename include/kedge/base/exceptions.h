@@ -1,0 +1,36 @@
+// Errors with a name that carry their numbers. main() turns each into an exit code and a message.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// Wrong input: the JSON path (or file, or command-line option) at fault, what is wrong and the remedy. Exit code 2.
+struct InputError : std::runtime_error
+{
+  InputError(std::string path_, const std::string& problem, const std::string& remedy = "")
+    : std::runtime_error(path_ + ": " + problem + (remedy.empty() ? "" : "; " + remedy)), path(std::move(path_))
+  {}
+  std::string path;
+};
+
+/// The equations could not be solved. Exit code 3.
+struct SolverError : std::runtime_error
+{
+  SolverError(const std::string& message, std::vector<double> residual_history_ = {})
+    : std::runtime_error(message), residual_history(std::move(residual_history_))
+  {}
+  std::vector<double> residual_history;
+};
+
+/// A file could not be read or written. Exit code 4.
+struct FileError : std::runtime_error
+{
+  FileError(std::string path_, const std::string& problem)
+    : std::runtime_error(path_ + ": " + problem), path(std::move(path_))
+  {}
+  std::string path;
+};
+} // namespace kedge

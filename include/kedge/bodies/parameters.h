@@ -1,0 +1,81 @@
+// What the input says of rigid bodies: points, joints, surfaces. Positions are global, before the offset; in 2-D the
+// first two entries of a vector are [x, z].
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// Condition on one degree of freedom of a rigid point.
+struct DofCondition
+{
+  enum class Kind
+  {
+    free,
+    fixed,
+    prescribed
+  };
+  Kind kind = Kind::fixed;
+  double increment = 0.; ///< prescribed: m or rad per uncut step
+};
+
+struct PointParameters
+{
+  std::array<double, 3> position{};   ///< m
+  double mass = 0.;                   ///< kg
+  std::array<double, 3> inertia{};    ///< principal moments about the point, kg m2
+  std::array<DofCondition, 6> conditions; ///< x, y, z, about x, y, z
+};
+
+enum class ConstraintType
+{
+  coincidence,
+  rotation_lock,
+  distance_lock,
+  distance_stop
+};
+
+/// Penalty joint between two points; which members count depends on the type (doc/input-format).
+struct ConstraintParameters
+{
+  ConstraintType type = ConstraintType::coincidence;
+  std::array<unsigned int, 2> points{{1, 2}}; ///< numbered from 1
+  std::array<double, 3> position_1{}, position_2{}, rotation_centre{}, direction_1{}, direction_2{};
+  double distance = 0.;             ///< m
+  double angle_limit = 0.;          ///< degrees
+  double stiffness = 0.;            ///< N/m
+  double rotational_stiffness = 0.; ///< N m
+};
+
+/// A closed surface welded to a point: an STL file in 3-D, a polygon in 2-D.
+struct SurfaceParameters
+{
+  std::string stl;                               ///< path, already resolved against the input file
+  std::vector<std::array<double, 2>> outline;    ///< 2-D only, [x, z]
+  unsigned int point = 1;                        ///< numbered from 1
+};
+
+struct TrackedNodeParameters
+{
+  std::array<double, 3> position{};
+  unsigned int point = 1;
+};
+
+struct SystemParameters
+{
+  std::vector<PointParameters> points;
+  std::vector<ConstraintParameters> constraints;
+  std::vector<SurfaceParameters> surfaces;
+  std::vector<TrackedNodeParameters> tracked_nodes;
+  std::array<double, 3> offset{};
+};
+
+/// Replaces the conditions of one point for a stage.
+struct PointConditionsOverride
+{
+  unsigned int system = 1, point = 1; ///< numbered from 1
+  std::array<DofCondition, 6> conditions;
+};
+} // namespace kedge

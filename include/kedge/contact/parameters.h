@@ -1,0 +1,20 @@
+// What the input says of contact between soil and bodies.
+#pragma once
+
+namespace kedge
+{
+enum class ContactMethod
+{
+  penalty,
+  augmented_lagrangian
+};
+
+struct ContactParameters
+{
+  double friction_coefficient = 0.;
+  ContactMethod method = ContactMethod::penalty;
+  double normal_penalty_factor = 50.;
+  double tangential_penalty_factor = 25.;
+  double penetration_tolerance = 1e-3; ///< augmented Lagrangian: share of a material point's size
+};
+} // namespace kedge

@@ -1,0 +1,59 @@
+// What the input says of the background mesh, its boundary and its window.
+#pragma once
+
+#include <array>
+#include <optional>
+
+namespace kedge
+{
+enum class FaceCondition
+{
+  free,
+  roller,
+  fixed
+};
+
+/// Conditions on the six (2-D: four) faces of the grid, by axis.
+struct BoundaryConditions
+{
+  std::array<FaceCondition, 3> min{{FaceCondition::free, FaceCondition::free, FaceCondition::free}};
+  std::array<FaceCondition, 3> max{{FaceCondition::free, FaceCondition::free, FaceCondition::free}};
+};
+
+enum class AdaptivityType
+{
+  none,
+  uniform,
+  rigid_body_surface
+};
+
+struct Adaptivity
+{
+  AdaptivityType type = AdaptivityType::none;
+  double element_size = 0.;           ///< at the surface, m
+  double region = 0.;                 ///< distance from the surface, m; 0: none
+  double element_size_in_region = 0.; ///< m
+  bool merge = false;
+};
+
+enum class Advance
+{
+  positive,
+  negative,
+  both
+};
+
+/// One plane of the moving window.
+struct TrackPlane
+{
+  std::optional<FaceCondition> type; ///< empty: off
+  double distance = 0.;              ///< from the bodies' extent, m
+  Advance advance = Advance::positive;
+  bool remove = false;
+};
+
+struct BoundaryTrack
+{
+  std::array<TrackPlane, 3> min, max;
+};
+} // namespace kedge

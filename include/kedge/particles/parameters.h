@@ -1,0 +1,35 @@
+// What the input says of the soil and of its material points.
+#pragma once
+
+#include <array>
+#include <kedge/materials/parameters.h>
+#include <optional>
+#include <vector>
+
+namespace kedge
+{
+/// How a material point's domain follows the deformation: constant, or l_i = l0_i F_ii.
+enum class DomainUpdate
+{
+  none,
+  stretch
+};
+
+/// One soil layer, as wide as the block.
+struct Layer
+{
+  double thickness; ///< m
+  MaterialParameters material;
+};
+
+struct MaterialPointParameters
+{
+  double extra_capacity = 1.;                ///< storage hint, >= 1
+  double element_size = 0.;                  ///< base cell size, m
+  unsigned int points_per_axis = 2;          ///< "number of material points per element 1"
+  std::array<double, 2> plan_extent{{0, 0}}; ///< block from 0 to here in x and y (2-D: x only), m
+  std::vector<Layer> layers;                 ///< from the surface down
+  DomainUpdate domain_update = DomainUpdate::none;
+  std::optional<double> K0; ///< "initial stress": horizontal over vertical stress
+};
+} // namespace kedge

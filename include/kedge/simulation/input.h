@@ -1,0 +1,61 @@
+// The whole input of a run, parsed and checked.
+#pragma once
+
+#include <array>
+#include <kedge/bodies/parameters.h>
+#include <kedge/contact/parameters.h>
+#include <kedge/mesh/parameters.h>
+#include <kedge/output/parameters.h>
+#include <kedge/particles/parameters.h>
+#include <kedge/solvers/parameters.h>
+#include <kedge/time/parameters.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+enum class Basis
+{
+  gimp,
+  mpm
+};
+
+struct Stage
+{
+  SteppingParameters stepping;
+  bool rigid_bodies = false;
+  BoundaryConditions boundary_conditions;
+  Adaptivity adaptivity;
+  bool surface_placement = false;
+  bool wished_in_place = false;
+  std::vector<PointConditionsOverride> point_conditions;
+  BoundaryTrack track;
+};
+
+struct Input
+{
+  bool gpu = false;
+  unsigned int dimension = 3;
+  Basis basis = Basis::gimp;
+  double domain_size = 0.;              ///< lower bound of the grid's side, m
+  std::array<double, 3> gravity{};      ///< m/s2; in 2-D [x, z]
+  MaterialPointParameters material_points;
+  std::vector<SystemParameters> systems;
+  ContactParameters contact;
+  std::vector<Stage> stages;
+  SolverParameters solver;
+  OutputParameters output;
+  std::string effective_json;           ///< the input after --set, as text, for the copy in the output folder
+};
+
+/// Reads and checks an input file. `overrides` are "path=value" as given to --set: dotted keys, array positions from 0
+/// ("analysis.1.load steps=40"), values in JSON or a bare word.
+/// Throws InputError with the JSON path and the remedy.
+Input read_input(const std::string& file, const std::vector<std::string>& overrides = {});
+
+/// The published JSON Schema (draft 2020-12) of the input file, as indented text.
+std::string input_schema();
+
+/// Throws InputError naming the first key that asks for something this version cannot do yet.
+void refuse_unavailable_features(const Input& input);
+} // namespace kedge

@@ -1,0 +1,24 @@
+// What the input says of the solvers.
+#pragma once
+
+namespace kedge
+{
+enum class LinearSolverChoice
+{
+  automatic,
+  iterative,
+  direct
+};
+
+struct SolverParameters
+{
+  double tolerance = 1e-6; ///< residual over the soil's weight
+  unsigned int max_newton_iterations = 20;
+  unsigned int max_linear_iterations = 100;
+  double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;
+  bool line_search = true;
+  LinearSolverChoice linear_solver = LinearSolverChoice::automatic;
+  bool reuse = true;                           ///< keep the preconditioner while it still converges
+  double minimum_step_fraction = 1. / 4096.;   ///< smallest cut of a step
+};
+} // namespace kedge
