@@ -8,11 +8,12 @@ target_link_libraries(Trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LI
 # deal.II likewise; its own macros would force its flags on every target.
 add_library(deal.II INTERFACE)
 target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
-target_link_libraries(deal.II INTERFACE ${DEAL_II_TARGET_RELEASE} Trilinos)
+target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} Trilinos)
 
 add_library(kedge_options INTERFACE)
 target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
-target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter)
+target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter
+  -Wno-maybe-uninitialized) # false alarms of GCC 12 inside Eigen and std::vector
 if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()

@@ -6,6 +6,11 @@
 #include <string>
 #include <vector>
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 /// Condition on one degree of freedom of a rigid point.
@@ -23,10 +28,10 @@ struct DofCondition
 
 struct PointParameters
 {
-  std::array<double, 3> position{};   ///< m
-  double mass = 0.;                   ///< kg
-  std::array<double, 3> inertia{};    ///< principal moments about the point, kg m2
-  std::array<DofCondition, 6> conditions; ///< x, y, z, about x, y, z
+  std::array<double, 3> position{};       ///< m
+  double mass = 0.;                       ///< kg
+  std::array<double, 3> inertia{};        ///< principal moments about the point, kg m2; in 2-D only [0], in the plane
+  std::array<DofCondition, 6> conditions; ///< x, y, z, about x, y, z; in 2-D [0..2]: x, z, rotation
 };
 
 enum class ConstraintType
@@ -52,9 +57,9 @@ struct ConstraintParameters
 /// A closed surface welded to a point: an STL file in 3-D, a polygon in 2-D.
 struct SurfaceParameters
 {
-  std::string stl;                               ///< path, already resolved against the input file
-  std::vector<std::array<double, 2>> outline;    ///< 2-D only, [x, z]
-  unsigned int point = 1;                        ///< numbered from 1
+  std::string stl;                            ///< path, already resolved against the input file
+  std::vector<std::array<double, 2>> outline; ///< 2-D only, [x, z]
+  unsigned int point = 1;                     ///< numbered from 1
 };
 
 struct TrackedNodeParameters
@@ -78,4 +83,9 @@ struct PointConditionsOverride
   unsigned int system = 1, point = 1; ///< numbered from 1
   std::array<DofCondition, 6> conditions;
 };
+
+/// Keys of one system of "rigid bodies".
+schema::Section<SystemParameters> system_section();
+/// Keys of one entry of a stage's "rigid body boundary conditions".
+schema::Section<PointConditionsOverride> point_conditions_section();
 } // namespace kedge

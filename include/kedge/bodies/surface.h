@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace kedge
 /// Closed triangulated surface, vertices merged, triangles oriented outwards.
 struct TriangleMesh
 {
-  std::vector<Eigen::Vector3d> vertices;            ///< m
+  std::vector<Eigen::Vector3d> vertices;              ///< m
   std::vector<std::array<unsigned int, 3>> triangles; ///< vertex numbers, counter-clockwise seen from outside
 };
 
@@ -23,16 +24,48 @@ struct MassProperties
   Eigen::Vector3d centroid;
   Eigen::Matrix3d inertia;
 };
+
+/// Exact for the polyhedron: signed tetrahedra from the first vertex to every triangle.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
-/// Reads an ASCII or binary STL, merges coincident vertices and checks that it is closed, manifold, oriented outwards and
-/// free of self-intersections. Throws InputError with `json_path` in front and says where (coordinates) it fails.
+/// Lower and upper corner of the axis-aligned bounding box, m.
+std::array<Eigen::Vector3d, 2> bounds(const TriangleMesh& mesh);
+
+/// Joins vertices closer than `tolerance` (m; 0: equal ones only). Triangles that lose a corner stay, with a repeated
+/// vertex number.
+TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance);
+
+/// Throws InputError(path, problem, remedy) unless the mesh is closed, manifold, oriented outwards and free of
+/// degenerate triangles and self-intersections; the problem says where. `name` (a file name, say) opens the problem.
+/// `resolution` (m): triangles lower than this count as degenerate.
+void check_surface(const TriangleMesh& mesh, const std::string& path, const std::string& name = "",
+                   double resolution = 0.);
+
+/// Two triangles that cross, and where.
+struct Crossing
+{
+  std::array<unsigned int, 2> triangles;
+  Eigen::Vector3d position;
+};
+
+/// A pair of triangles that cross or overlap (beyond the vertices and edges they share), if any. Needs a closed,
+/// manifold mesh; exact predicates (CGAL).
+std::optional<Crossing> find_crossing(const TriangleMesh& mesh);
+
+/// Reads an ASCII or binary STL (several solids in one file are joined), merges coincident vertices and checks the
+/// result with check_surface(). Throws InputError with `json_path` in front.
 TriangleMesh read_stl(const std::string& file, const std::string& json_path);
 
-/// Writes binary STL. Throws FileError.
+/// Writes binary STL: coordinates are rounded to single precision. Throws FileError.
 void write_stl(const TriangleMesh& mesh, const std::string& file);
 
-/// Part of the surface that holds a closest point.
+/// The prism that stands for a plane-strain body: `outline` is a closed polygon of [x, z] (either direction, the last
+/// point is not repeated), extruded along y far enough that a query at y = 0 never sees the end caps. Throws InputError
+/// with `json_path` in front where the polygon is degenerate or crosses itself.
+TriangleMesh extrude_outline(const std::vector<std::array<double, 2>>& outline, const std::string& json_path);
+
+/// Part of the surface that holds a closest point. Edges flatter than 1e-3 rad, and vertices between such edges only,
+/// are part of a face; a vertex inside a straight edge is part of that edge.
 enum class Feature
 {
   face,
@@ -43,15 +76,16 @@ enum class Feature
 struct ClosestPoint
 {
   double gap;              ///< signed distance, m; negative inside
-  Eigen::Vector3d point;   ///< on the surface
+  Eigen::Vector3d point;   ///< on the surface, m
   Eigen::Vector3d normal;  ///< unit, outwards: d gap / d x
-  Feature feature;         ///< face, edge or vertex
-  Eigen::Vector3d tangent; ///< direction of the edge where feature is edge, else zero
+  Feature feature;         ///< where the point lies
+  Eigen::Vector3d tangent; ///< unit direction of the edge where feature is edge, else zero
   unsigned int triangle;   ///< one triangle that holds the point
 };
 
-/// Signed-distance queries against a closed mesh by an AABB tree; the tree is built once.
-/// Sign by angle-weighted pseudo-normals (Baerentzen & Aanaes 2005, doi 10.1109/TVCG.2005.49).
+/// Signed-distance queries against a closed mesh by a bounding-volume tree; the tree is built once. Queries are const
+/// and may run in any number of threads. Sign by angle-weighted pseudo-normals (Baerentzen & Aanaes 2005,
+/// doi 10.1109/TVCG.2005.49).
 class Surface
 {
 public:
@@ -61,12 +95,21 @@ public:
   Surface& operator=(Surface&&) noexcept;
 
   const TriangleMesh& mesh() const;
-  ClosestPoint closest_point(const Eigen::Vector3d& x) const;
-  /// Lower and upper corner of the axis-aligned bounding box.
+  /// Lower and upper corner of the axis-aligned bounding box, m.
   std::array<Eigen::Vector3d, 2> bounds() const;
-  /// Smallest radius to which a convex edge is rounded, estimated from dihedral angles and triangle sizes: for each
-  /// convex edge with angle a between its face normals, r = (distance between the centroid heights) / a. Edges flatter
-  /// than 5 degrees do not count; infinity if none.
+
+  ClosestPoint closest_point(const Eigen::Vector3d& x) const;
+  /// The closest point where gap <= distance, else nothing. Every point inside the body is found, however deep; far
+  /// points cost one comparison with the bounding box.
+  std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance) const;
+  /// True only where gap > distance for certain, by the bounding box alone. False does not mean near.
+  bool surely_farther_than(const Eigen::Vector3d& x, double distance) const;
+
+  /// Smallest radius (m) to which a convex edge is rounded. The angle a between the face normals at an edge is turned
+  /// over the half widths d1, d2 of the two faces: r = (d1 + d2) / (2 sin(a/2)), where a face more than three times as
+  /// wide as the other one is flat and adds nothing. Exact for circular arcs of at least two facets. Zero where an edge
+  /// turns by more than 60 degrees, or where the normals around a convex vertex spread by more than 90. Edges flatter
+  /// than 5 degrees do not count; infinity if none does.
   double sharpest_edge_radius() const;
 
 private:

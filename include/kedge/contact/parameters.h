@@ -1,6 +1,11 @@
 // What the input says of contact between soil and bodies.
 #pragma once
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 enum class ContactMethod
@@ -17,4 +22,7 @@ struct ContactParameters
   double tangential_penalty_factor = 25.;
   double penetration_tolerance = 1e-3; ///< augmented Lagrangian: share of a material point's size
 };
+
+/// Keys of "contact".
+schema::Section<ContactParameters> contact_section();
 } // namespace kedge

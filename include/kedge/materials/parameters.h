@@ -4,6 +4,11 @@
 #include <limits>
 #include <optional>
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 enum class MaterialType
@@ -35,4 +40,7 @@ struct MaterialParameters
   double cohesion = std::numeric_limits<double>::quiet_NaN();       ///< Pa
   std::optional<Overburden> overburden;
 };
+
+/// Keys of "material".
+schema::Section<MaterialParameters> material_section();
 } // namespace kedge

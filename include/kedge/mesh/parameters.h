@@ -4,6 +4,11 @@
 #include <array>
 #include <optional>
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 enum class FaceCondition
@@ -56,4 +61,9 @@ struct BoundaryTrack
 {
   std::array<TrackPlane, 3> min, max;
 };
+
+/// Keys of a stage's "boundary conditions", "adaptivity" and "boundary track".
+schema::Section<BoundaryConditions> boundary_conditions_section();
+schema::Section<Adaptivity> adaptivity_section();
+schema::Section<BoundaryTrack> boundary_track_section();
 } // namespace kedge

@@ -6,6 +6,11 @@
 #include <optional>
 #include <vector>
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 /// How a material point's domain follows the deformation: constant, or l_i = l0_i F_ii.
@@ -32,4 +37,7 @@ struct MaterialPointParameters
   DomainUpdate domain_update = DomainUpdate::none;
   std::optional<double> K0; ///< "initial stress": horizontal over vertical stress
 };
+
+/// Keys of "material points", which hold "initial stress" too; "domain update" stands at the top level.
+schema::Section<MaterialPointParameters> material_points_section();
 } // namespace kedge

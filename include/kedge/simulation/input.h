@@ -37,15 +37,15 @@ struct Input
   bool gpu = false;
   unsigned int dimension = 3;
   Basis basis = Basis::gimp;
-  double domain_size = 0.;              ///< lower bound of the grid's side, m
-  std::array<double, 3> gravity{};      ///< m/s2; in 2-D [x, z]
+  double domain_size = 0.;         ///< lower bound of the grid's side, m
+  std::array<double, 3> gravity{}; ///< m/s2; in 2-D [x, z]
   MaterialPointParameters material_points;
   std::vector<SystemParameters> systems;
   ContactParameters contact;
   std::vector<Stage> stages;
   SolverParameters solver;
   OutputParameters output;
-  std::string effective_json;           ///< the input after --set, as text, for the copy in the output folder
+  std::string effective_json; ///< the input after --set, as text, for the copy in the output folder
 };
 
 /// Reads and checks an input file. `overrides` are "path=value" as given to --set: dotted keys, array positions from 0
@@ -53,8 +53,15 @@ struct Input
 /// Throws InputError with the JSON path and the remedy.
 Input read_input(const std::string& file, const std::vector<std::string>& overrides = {});
 
+/// The same for text that is not in a file; STL paths are relative to `folder`, messages call the text `source`.
+Input parse_input(const std::string& text, const std::string& folder, const std::string& source = "input",
+                  const std::vector<std::string>& overrides = {});
+
 /// The published JSON Schema (draft 2020-12) of the input file, as indented text.
 std::string input_schema();
+
+/// The reference of all keys in Markdown: doc/parameters.md.
+std::string input_manual();
 
 /// Throws InputError naming the first key that asks for something this version cannot do yet.
 void refuse_unavailable_features(const Input& input);

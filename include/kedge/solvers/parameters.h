@@ -1,6 +1,11 @@
 // What the input says of the solvers.
 #pragma once
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 enum class LinearSolverChoice
@@ -18,7 +23,10 @@ struct SolverParameters
   double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;
   bool line_search = true;
   LinearSolverChoice linear_solver = LinearSolverChoice::automatic;
-  bool reuse = true;                           ///< keep the preconditioner while it still converges
-  double minimum_step_fraction = 1. / 4096.;   ///< smallest cut of a step
+  bool reuse = true;                         ///< keep the preconditioner while it still converges
+  double minimum_step_fraction = 1. / 4096.; ///< smallest cut of a step
 };
+
+/// Keys of "solver".
+schema::Section<SolverParameters> solver_section();
 } // namespace kedge

@@ -1,6 +1,11 @@
 // What the input says of the stepping of one stage.
 #pragma once
 
+namespace kedge::schema
+{
+template <typename T> class Section;
+}
+
 namespace kedge
 {
 enum class StageType
@@ -19,11 +24,14 @@ enum class GravityLoad
 struct SteppingParameters
 {
   StageType type = StageType::static_;
-  unsigned int load_steps = 1;           ///< static
-  GravityLoad load = GravityLoad::full;  ///< static
-  double dt = 0.;                        ///< dynamic: s; 0 in explicit stages: "auto"
-  double final_time = 0.;                ///< dynamic: s
-  double beta = 0.25, gamma = 0.5;       ///< Newmark
+  unsigned int load_steps = 1;                       ///< static
+  GravityLoad load = GravityLoad::full;              ///< static
+  double dt = 0.;                                    ///< dynamic: s; 0 in explicit stages: "auto"
+  double final_time = 0.;                            ///< dynamic: s
+  double beta = 0.25, gamma = 0.5;                   ///< Newmark
   double cfl = 0.8, damping = 0., mass_scaling = 1.; ///< explicit
 };
+
+/// Keys of a stage that say how it steps.
+schema::Section<SteppingParameters> stepping_section();
 } // namespace kedge

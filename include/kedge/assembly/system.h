@@ -1,0 +1,50 @@
+// The nonlinear system of one step on the active nodes: vectors over ranks, constraints, the matrix.
+#pragma once
+
+#include <kedge/assembly/internal_force.h>
+#include <kedge/assembly/node_graph.h>
+#include <kedge/contact/point_forces.h>
+
+namespace kedge
+{
+class System
+{
+public:
+  /// `constrained` marks dofs (dim per local node) that stay zero. Collective.
+  System(unsigned int dim,
+         const NodeNumbering& numbering,
+         const std::vector<NodeLists>& couplings,
+         const std::vector<unsigned char>& constrained);
+
+  const NodeGraph& graph() const { return node_graph; }
+  const Teuchos::RCP<TpetraMatrix>& matrix() const { return owned_matrix; }
+  /// Values of all rows, laid out by graph(): what the kernels add to.
+  const View<double*>& values() const { return all_values; }
+  /// A zero vector with dim entries per local node.
+  NodalVector make_nodal_vector() const;
+
+  /// Owned values and those of the ghosts. Collective.
+  NodalVector spread(const TpetraVector& owned) const;
+  /// Sums the contributions of all ranks to the owned dofs. Collective.
+  void collect(const NodalVector& local, TpetraVector& owned) const;
+  /// Sets constrained entries to zero.
+  void zero_constrained(TpetraVector& owned) const;
+
+  void clear_matrix();
+  /// Adds ghost rows to their owners' and turns constrained rows and columns into scaled identities. Collective.
+  void finish_matrix();
+
+private:
+  unsigned int dim;
+  NodeGraph node_graph;
+  View<double*> all_values;
+  Teuchos::RCP<TpetraMatrix> owned_matrix;
+  View<unsigned char*> constrained_column; ///< per column dof
+};
+
+/// Adds the point forces with a sign to a nodal vector: f_v += sign * weight * force.
+void add_point_forces(unsigned int dim, const PointForces& points, double sign, const NodalVector& force);
+
+/// Adds sign * weight_a weight_b tangent to the blocks (a, b) of every point.
+void add_point_tangents(const PointForces& points, double sign, const NodeGraph& graph, const View<double*>& values);
+} // namespace kedge

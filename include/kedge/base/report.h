@@ -1,0 +1,78 @@
+// The only file that prints, logs or times.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// What the progress line shows.
+struct Progress
+{
+  unsigned int stage = 1, n_stages = 1;
+  double time = 0., end = 1.; ///< load fraction in a static stage, s otherwise
+  unsigned int step = 0;
+  double increment = 0.;
+  unsigned int newton_iterations = 0, krylov_iterations = 0, cuts = 0;
+  long long deleted = 0, particles = 0;
+};
+
+/// Writes to the terminal from one rank: the progress line is redrawn in place on a terminal and appears once per whole
+/// percent of a stage in a log file.
+class Report
+{
+public:
+  /// `speak`: this rank prints; `quiet`: only warnings and errors.
+  Report(bool speak, bool quiet);
+
+  void line(const std::string& text);
+  void warn(const std::string& text);
+  void progress(const Progress& state);
+  /// Ends the progress line; call before leaving a stage.
+  void end_progress();
+
+  const std::vector<std::string>& warnings() const { return given_warnings; }
+
+private:
+  bool speak, quiet, on_terminal;
+  bool line_open = false;
+  int last_percent = -1;
+  unsigned int last_stage = 0;
+  std::chrono::steady_clock::time_point stage_start;
+  std::vector<std::string> given_warnings;
+};
+
+/// The text of the progress line without the time left.
+std::string format_progress(const Progress& state);
+
+/// Wall time per named phase, in s.
+class Timings
+{
+public:
+  /// Adds the time from its construction to its destruction to a phase.
+  class Scope
+  {
+  public:
+    Scope(Timings& timings, const char* phase);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+  private:
+    Timings& timings;
+    const char* phase;
+    std::chrono::steady_clock::time_point start;
+  };
+
+  Scope measure(const char* phase) { return {*this, phase}; }
+  const std::map<std::string, double>& seconds() const { return totals; }
+
+private:
+  std::map<std::string, double> totals;
+};
+
+/// Highest resident memory of this process so far, in bytes.
+double peak_memory();
+} // namespace kedge

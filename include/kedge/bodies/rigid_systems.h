@@ -1,0 +1,51 @@
+// All rigid bodies of a scene: their points, and the surfaces and tracked nodes welded to them.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <kedge/bodies/rigid_body.h>
+#include <kedge/bodies/surface.h>
+#include <vector>
+
+namespace kedge
+{
+/// A closed surface in the frame of the point it is welded to.
+struct WeldedSurface
+{
+  Surface surface;
+  unsigned int point; ///< from 0, over all systems
+};
+
+struct TrackedNode
+{
+  Eigen::Vector3d position; ///< in the frame of its point, m
+  unsigned int point;       ///< from 0, over all systems
+};
+
+struct RigidSystems
+{
+  std::vector<RigidPoint> points;
+  std::vector<unsigned int> first_point; ///< of each system
+  std::vector<WeldedSurface> surfaces;
+  std::vector<TrackedNode> tracked;
+
+  bool empty() const { return points.empty(); }
+};
+
+/// Reads the surfaces and places everything as the input says. Throws InputError.
+RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters, unsigned int dim);
+
+/// Sets the conditions of all points to those of the input, then to those of the stage.
+void apply_conditions(RigidSystems& systems,
+                      const std::vector<SystemParameters>& parameters,
+                      const std::vector<PointConditionsOverride>& overrides,
+                      unsigned int dim);
+
+/// Axis-aligned bounds of all surfaces as they stand, m; empty (min > max) without surfaces.
+std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);
+
+/// Moves all bodies along `axis` by one amount so that their lowest surface point lies at `height` (m).
+void place_on_surface(RigidSystems& systems, unsigned int axis, double height);
+
+/// True where x lies inside any of the bodies.
+bool is_inside(const RigidSystems& systems, const Eigen::Vector3d& x);
+} // namespace kedge

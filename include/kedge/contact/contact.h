@@ -1,0 +1,114 @@
+// Contact between the corners of the particles' domains and the surfaces of rigid bodies.
+#pragma once
+
+#include <cstdint>
+#include <kedge/basis/gimp.h>
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/contact/coulomb.h>
+#include <kedge/contact/parameters.h>
+#include <kedge/contact/point_forces.h>
+#include <map>
+#include <mpi.h>
+
+namespace kedge
+{
+/// What one rank knows of its particles, in the order of their arrays; lengths in m.
+template <int dim>
+struct ContactParticles
+{
+  const std::vector<std::array<double, dim>>&centre, &half_width;
+  const std::vector<long long>& id;
+  const std::vector<double>&initial_volume, &young; ///< m3 (2-D: m2), Pa
+};
+
+/// Force (N) and moment (N m, about the point) that the soil exerts on each rigid point, summed over all ranks.
+using BodyLoads = std::vector<Vector6>;
+
+/// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface, by
+/// penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is kept per
+/// (particle, corner, surface) and follows particles from rank to rank.
+template <int dim>
+class Contact
+{
+public:
+  Contact(const ContactParameters& parameters, MPI_Comm communicator);
+
+  /// Finds the corners that could touch a body during the next step and their nodes. `reach` is how far beyond its own
+  /// size a particle is looked at, m. `number` maps leaf-table nodes to active ones.
+  void find_pairs(const RigidSystems& bodies,
+                  const LeafTable<dim>& table,
+                  const ContactParticles<dim>& particles,
+                  const std::vector<unsigned int>& number,
+                  double reach);
+
+  /// Takes the penetration of every pair as its reference, for bodies that are buried from the start.
+  void take_reference_gaps(const RigidSystems& bodies);
+
+  /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes trial
+  /// history. `committed` are the bodies at the start of the step.
+  const PointForces&
+  evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments, const double* nodal_increment);
+
+  /// What the last evaluation returned.
+  const PointForces& points_of_last_evaluation() const { return points; }
+
+  /// Loads of the last evaluation on the bodies. Collective.
+  BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
+
+  /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
+  void commit();
+
+  /// Hands the history to the ranks that now hold the particles. Collective; call after particles were re-sorted.
+  void follow_particles(const std::vector<long long>& ids);
+
+  /// Smallest gap of a corner of each particle in the last evaluation (m); particles without pairs are missing.
+  std::map<long long, double> smallest_gaps() const;
+  /// Contact points of the last evaluation that press, over all ranks.
+  long long n_active() const;
+  /// Deepest penetration of the last evaluation, m, over all ranks.
+  double deepest_penetration() const;
+  /// Force on the soil (N), position (m) and surface of every pressing corner of this rank, for output.
+  struct Touch
+  {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
+    unsigned int surface;
+  };
+  const std::vector<Touch>& touches() const { return touching; }
+
+private:
+  struct Key
+  {
+    long long particle;
+    std::uint32_t corner, surface;
+    bool operator<(const Key& other) const
+    {
+      return std::tie(particle, corner, surface) < std::tie(other.particle, other.corner, other.surface);
+    }
+  };
+  struct History
+  {
+    Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
+    double reference_gap = 0.;                            ///< m, <= 0
+  };
+  struct Pair
+  {
+    Key key;
+    unsigned int point;      ///< of PointForces
+    Eigen::Vector3d start;   ///< corner at the start of the step, m
+    ContactStiffness stiffness;
+    History committed, trial;
+    double gap = 0.;         ///< signed distance in the last evaluation
+    bool active = false;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
+  };
+
+  Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
+
+  ContactParameters parameters;
+  MPI_Comm communicator;
+  std::vector<Pair> pairs;
+  PointForces points;
+  std::map<Key, History> history;
+  std::vector<Touch> touching;
+};
+} // namespace kedge

@@ -1,0 +1,134 @@
+// The one dispatch over the laws, and the update of a material point's stress.
+#pragma once
+
+#include <kedge/materials/drucker_prager.h>
+#include <kedge/materials/mohr_coulomb.h>
+#include <kedge/materials/parameters.h>
+#include <kedge/materials/spatial_tangent.h>
+#include <kedge/materials/willam_warnke.h>
+#include <limits>
+
+namespace kedge
+{
+/// What the kernels need of a material: plain data, copied to the device. Young's modulus is not among them, for it may
+/// differ from point to point. The constants of other types than `type` stay NaN.
+struct Material
+{
+  static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
+
+  MaterialType type = MaterialType::elastic;
+  double lame_ratio = unset;  ///< first Lame constant / Young's modulus
+  double shear_ratio = unset; ///< shear modulus / Young's modulus
+  VonMises von_mises = {unset};
+  DruckerPrager drucker_prager = {unset, unset, unset, unset};
+  WillamWarnke willam_warnke = {unset, unset, unset, unset};
+  MohrCoulomb mohr_coulomb = {unset, unset, unset, unset};
+
+  KEDGE_FUNCTION HenckyElasticity elasticity(const double young) const
+  {
+    return {lame_ratio * young, shear_ratio * young};
+  }
+};
+
+/// Computes the constants once, on the host.
+Material make_material(const MaterialParameters& parameters);
+
+/// Young's modulus (Pa) of a point under the initial vertical stress (Pa, compression positive): E, or with "E
+/// overburden" E (sigma_v / reference stress)^exponent. sigma_v counts as at least 1e-4 of the reference stress (10 Pa
+/// for 100 kPa, under a millimetre of soil), so that a point at the very surface keeps some stiffness.
+double effective_young(const MaterialParameters& parameters, double vertical_stress);
+
+/// Return mapping in principal logarithmic strains. `trial_strain` in any order; young in Pa.
+/// Residuals and line searches need no tangent.
+template <bool with_tangent = true>
+KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const double young, const Material& material)
+{
+  const HenckyElasticity elasticity = material.elasticity(young);
+  switch (material.type)
+  {
+    case MaterialType::von_mises:
+      return material.von_mises.respond<with_tangent>(trial_strain, elasticity);
+    case MaterialType::drucker_prager:
+      return material.drucker_prager.respond<with_tangent>(trial_strain, young, elasticity);
+    case MaterialType::willam_warnke:
+      return material.willam_warnke.respond<with_tangent>(trial_strain, young, elasticity);
+    case MaterialType::mohr_coulomb:
+      return material.mohr_coulomb.respond<with_tangent>(trial_strain, young, elasticity);
+    default: // elastic
+      return elastic_response<with_tangent>(trial_strain, elasticity);
+  }
+}
+
+/// A material point's trial state at the end of the step.
+struct StressUpdate
+{
+  SymmetricTensor stress;         ///< Kirchhoff, Pa
+  SymmetricTensor elastic_strain; ///< logarithmic
+  double plastic_increment;       ///< equivalent plastic strain of the step
+  Status status;
+};
+
+namespace internal
+{
+/// dF b dF^T.
+KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const SymmetricTensor& b)
+{
+  double fb[3][3];
+  for (int i = 0; i < 3; ++i)
+  {
+    fb[i][0] = f(i, 0) * b[0] + f(i, 1) * b[3] + f(i, 2) * b[5];
+    fb[i][1] = f(i, 0) * b[3] + f(i, 1) * b[1] + f(i, 2) * b[4];
+    fb[i][2] = f(i, 0) * b[5] + f(i, 1) * b[4] + f(i, 2) * b[2];
+  }
+  const auto entry = [&](const int i, const int j)
+  { return fb[i][0] * f(j, 0) + fb[i][1] * f(j, 1) + fb[i][2] * f(j, 2); };
+  SymmetricTensor pushed;
+  pushed << entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2);
+  return pushed;
+}
+
+KEDGE_FUNCTION double determinant(const Eigen::Matrix3d& f)
+{
+  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
+         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
+}
+
+template <bool with_tangent>
+KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
+                                          const double young, const Material& material, SpatialTangent* tangent)
+{
+  const PrincipalFrame frame = principal_frame(push_forward(increment, b));
+  const double least = std::fmin(frame.values[0], std::fmin(frame.values[1], frame.values[2]));
+  if (!(determinant(increment) > 0. && least > 0.))
+  {
+    if constexpr (with_tangent)
+      for (double& entry : tangent->value)
+        entry = 0.;
+    return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
+  }
+  const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
+                                     0.5 * std::log(frame.values[2]));
+  const Response response = respond<with_tangent>(trial_strain, young, material);
+  if constexpr (with_tangent)
+    *tangent = spatial_tangent(response, material.elasticity(young), trial_strain, frame);
+  return {from_principal(response.stress, frame.directions), from_principal(response.elastic_strain, frame.directions),
+          response.plastic_increment, response.status};
+}
+} // namespace internal
+
+/// The state after the trial increment of the deformation gradient. `b` is the committed elastic left Cauchy-Green
+/// tensor exp(2 eps_e), computed once per step by left_cauchy_green(). Where det(increment) <= 0 the status is
+/// `inverted` and the rest zero.
+KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
+                                          const double young, const Material& material)
+{
+  return internal::update_stress<false>(increment, b, young, material, nullptr);
+}
+
+/// The same with the consistent spatial tangent.
+KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
+                                          const double young, const Material& material, SpatialTangent& tangent)
+{
+  return internal::update_stress<true>(increment, b, young, material, &tangent);
+}
+} // namespace kedge

@@ -1,0 +1,48 @@
+// The background mesh: a p4est brick of base cells, refined 2:1.
+#pragma once
+
+#include <deal.II/distributed/tria.h>
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/mapping_cartesian.h>
+#include <functional>
+#include <kedge/mesh/grid_layout.h>
+#include <kedge/mesh/leaf_table.h>
+
+namespace kedge
+{
+template <int dim>
+class BackgroundMesh
+{
+public:
+  using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
+
+  BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>& layout);
+
+  const GridLayout<dim>& layout() const { return grid; }
+  dealii::parallel::distributed::Triangulation<dim>& triangulation() { return forest; }
+  const dealii::parallel::distributed::Triangulation<dim>& triangulation() const { return forest; }
+  const dealii::Mapping<dim>& mapping() const { return cartesian; }
+
+  /// Weight of a cell for the partition, in units in which an empty cell weighs 1; used by the next repartition().
+  void set_cell_weight(std::function<double(const Cell&)> weight);
+
+  /// Spreads the cells anew over the ranks. Particles must have been packed before (ParticleSet does so).
+  void repartition();
+
+  /// Numbers the nodes and rebuilds the leaf table; call after every change of the forest. Collective.
+  void update();
+
+  /// The table of the last update().
+  const LeafTable<dim>& leaves() const { return table; }
+  /// Number of the leaf of an owned or ghost cell in leaves().
+  unsigned int leaf_number(const Cell& cell) const { return leaf_of_cell[cell->active_cell_index()]; }
+
+private:
+  GridLayout<dim> grid;
+  dealii::parallel::distributed::Triangulation<dim> forest;
+  dealii::DoFHandler<dim> nodes;
+  dealii::MappingCartesian<dim> cartesian;
+  LeafTable<dim> table;
+  std::vector<unsigned int> leaf_of_cell;
+};
+} // namespace kedge

@@ -1,0 +1,33 @@
+// Sizes of the background grid: which base cells, how many, where the soil ends.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace kedge
+{
+/// Brick of base cells with its lower corner at the origin. Lengths in m.
+template <int dim>
+struct GridLayout
+{
+  double base_size = 0.;                      ///< edge of a base cell
+  double finest_size = 0.;                    ///< smallest size asked for anywhere; base_size / 2^k
+  std::array<unsigned int, dim> base_cells{}; ///< number of base cells per axis
+  std::array<double, dim> soil_extent{};      ///< upper corner of the soil block
+
+  double extent(const unsigned int axis) const { return base_size * base_cells[axis]; }
+};
+
+/// Largest size not above `size` that is `finest` times a power of two (both in m).
+double round_down_to_level(double size, double finest);
+
+/// Rounds the sizes of a scene to a grid: `sizes` are all cell sizes asked for (the smallest is exact, `base` is rounded
+/// down to it times a power of two), the footprint is rounded up to whole base cells, the block's top up to a whole row of
+/// particles, and the grid is twice as high as the soil. `footprint` holds dim - 1 lengths.
+template <int dim>
+GridLayout<dim> make_grid_layout(double base,
+                                 const std::vector<double>& sizes,
+                                 const std::array<double, dim - 1>& footprint,
+                                 double soil_thickness,
+                                 unsigned int particles_per_axis);
+} // namespace kedge

@@ -1,0 +1,57 @@
+// The leaf cells that a rank knows, as plain arrays: boxes, nodes, and the tree to find them by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace kedge
+{
+/// Leaves owned by this rank and the ghost leaves around them. A leaf's shape functions are those of its "true" nodes:
+/// the share of a hanging vertex has been handed to its masters.
+template <int dim>
+struct LeafTable
+{
+  static constexpr unsigned int n_vertices = 1u << dim;
+
+  struct Leaf
+  {
+    std::array<double, dim> lower; ///< lower corner, m
+    double size;                   ///< edge, m
+    unsigned int node_begin;       ///< first entry in `nodes`
+    unsigned int weight_begin;     ///< first entry in `weights`; unused where regular
+    unsigned short n_nodes;        ///< number of true nodes
+    bool regular;                  ///< no hanging vertex: nodes are the vertices, in lexicographic order
+    bool owned;                    ///< owned by this rank
+    unsigned int owner;            ///< rank that owns the leaf
+    int tree_level;                ///< refinement level of the deal.II cell
+    int tree_index;                ///< index of the deal.II cell on its level
+  };
+
+  /// Octree without pointers: entries >= 0 are the first of 2^dim consecutive children, entries < 0 are leaf -1 - entry,
+  /// `unknown` marks what other ranks own. The first entries are the base cells, x fastest.
+  static constexpr std::int32_t unknown = INT32_MIN;
+  std::vector<std::int32_t> tree;
+  std::array<unsigned int, dim> base_cells{};
+  double base_size = 0.;
+
+  std::vector<Leaf> leaves;
+  std::vector<unsigned int> nodes; ///< local node numbers of each leaf's true nodes
+  /// weights[vertex * n_nodes + node] of the leaves that are not regular: N_node = sum over vertices of weight * N_vertex.
+  std::vector<double> weights;
+
+  std::vector<long long> node_ids;                    ///< global number of each local node
+  std::vector<std::array<double, dim>> node_position; ///< m
+  std::vector<unsigned int> node_owner_is_me;         ///< 1 where this rank owns the node
+  long long n_global_nodes = 0;
+
+  /// Leaf that holds x (points on a face belong to the upper cell; the grid's boundary is closed), or -1 where unknown or
+  /// outside.
+  int find_leaf(const std::array<double, dim>& x) const;
+
+  /// Appends the leaves whose interior meets the open box (lower, upper), in tree order.
+  void find_leaves(const std::array<double, dim>& lower,
+                   const std::array<double, dim>& upper,
+                   std::vector<unsigned int>& found) const;
+};
+} // namespace kedge

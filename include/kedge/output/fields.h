@@ -1,0 +1,66 @@
+// The fields that can be written: how each is found from what particles and rigid points carry.
+#pragma once
+
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/particles/particle_set.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// Where one particle's data lie; valid until the particles change.
+struct ParticleView
+{
+  long long id;
+  const double *position, *data; ///< location (dim entries, m) and properties
+};
+
+/// The particles of this rank by layer, each list in the order of the numbers.
+template <int dim>
+std::vector<std::vector<ParticleView>> particles_by_layer(const ParticleSet<dim>& particles, unsigned int n_layers);
+
+struct ParticleField
+{
+  std::string name;
+  unsigned int n_components;
+  void (*evaluate)(const ParticleView&, double* value); ///< writes n_components values
+};
+
+struct BodyField
+{
+  std::string name;
+  unsigned int n_components;
+  void (*evaluate)(const RigidPoint&, const Vector6& reaction, double* value);
+};
+
+/// The fields of these names (see output/parameters.h), with components along x, y, z; in plane strain y is the
+/// direction out of the plane. Stress is the Cauchy stress (Pa), volume the initial one times det F.
+template <int dim> std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names);
+std::vector<BodyField> select_body_fields(const std::vector<std::string>& names);
+
+/// Names of the components of a field with so many: none for a scalar, x y z, xx yy zz xy yz xz, 1 to 9.
+const std::vector<std::string>& component_names(unsigned int n_components);
+
+/// "position_x", "stress_xx", "mass": the columns of a field in a table.
+std::vector<std::string> column_names(const std::string& field, unsigned int n_components);
+
+template <typename Field> unsigned int count_components(const std::vector<Field>& fields)
+{
+  unsigned int n = 0;
+  for (const Field& field : fields)
+    n += field.n_components;
+  return n;
+}
+
+/// Velocity of a point given in the body frame, m/s.
+inline Eigen::Vector3d velocity_at(const RigidPoint& point, const Eigen::Vector3d& X)
+{
+  return point.velocity.head<3>() + point.velocity.tail<3>().cross(point.pose.direction_to_world(X));
+}
+
+/// What the conditions exert on a rigid point; zero where nothing was computed (`reactions` is empty).
+inline Vector6 reaction_on(const std::vector<Vector6>& reactions, std::size_t point)
+{
+  return point < reactions.size() ? reactions[point] : Vector6(Vector6::Zero());
+}
+} // namespace kedge

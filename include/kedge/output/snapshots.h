@@ -1,0 +1,60 @@
+// The files of a run: what is due is written for one moment at a time.
+#pragma once
+
+#include <kedge/contact/contact.h>
+#include <kedge/output/grids.h>
+#include <kedge/output/history.h>
+#include <kedge/output/parameters.h>
+#include <kedge/output/schedule.h>
+#include <map>
+#include <optional>
+
+namespace kedge
+{
+/// Everything a snapshot shows of one moment.
+template <int dim> struct OutputState
+{
+  const ParticleSet<dim>& particles;
+  const BackgroundMesh<dim>& mesh;
+  const RigidSystems& bodies;
+  const std::vector<Vector6>& reactions; ///< per rigid point: N, N m that its conditions exert; empty: all zero
+  const std::vector<typename Contact<dim>::Touch>& touches; ///< of this rank
+  unsigned int stage;                                       ///< from 1
+  unsigned int step;       ///< number in the files' names: 2 after the first converged step
+  double time, total_time; ///< since the stage began (static: load fraction), since the run began
+};
+
+/// Writes the particles, bodies and cells of a run when they are due. All functions are collective; a FileError of one
+/// rank is thrown on all.
+template <int dim> class OutputWriter
+{
+public:
+  /// Creates the folders.
+  OutputWriter(const OutputParameters& parameters, const std::string& run_directory, unsigned int n_layers,
+               MPI_Comm communicator);
+
+  /// After a restart: keeps the lists and rows of the earlier run up to and including `step`.
+  void resume_after(unsigned int step);
+  void begin_stage(unsigned int n_steps);
+  void write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
+
+private:
+  using Layers = std::vector<std::vector<ParticleView>>;
+
+  void write_snapshot(const OutputState<dim>& state, const Layers& layers, const std::vector<ContactForce>& contact);
+  void write_piece(const std::string& series, const UnstructuredGrid& grid, const OutputState<dim>& state);
+  void write_on_root(const std::string& series, const UnstructuredGrid& grid, const OutputState<dim>& state);
+  void list(const std::string& series, const std::string& file, double time);
+
+  OutputParameters parameters;
+  unsigned int n_layers;
+  MPI_Comm communicator;
+  std::string vtk_folder, csv_folder;
+  OutputSchedule vtk_schedule, csv_schedule;
+  std::vector<ParticleField> vtk_particle_fields, csv_particle_fields;
+  std::vector<BodyField> vtk_body_fields;
+  BodyHistory history;
+  std::map<std::string, PvdSeries> series_lists; ///< by the start of the files' names
+  std::optional<unsigned int> resumed;           ///< last step of the earlier run that counts
+};
+} // namespace kedge

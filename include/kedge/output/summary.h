@@ -1,0 +1,40 @@
+// What a run did and what it cost, as a file beside its results.
+#pragma once
+
+#include <kedge/output/text_file.h>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+struct StageSummary
+{
+  std::string type; ///< "static", "dynamic", "explicit"
+  unsigned int steps = 0, cuts = 0;
+  long long newton_iterations = 0, krylov_iterations = 0;
+  long long particles = 0, cells = 0, dofs = 0; ///< at its end, over all ranks; cells that hold soil
+  long long deleted = 0;                        ///< particles, during the stage
+};
+
+struct RunSummary
+{
+  std::string version, input_file, back_end;
+  bool gpu_requested = false;
+  int ranks = 1;
+  std::string status = "finished"; ///< or "failed: ..."
+  std::vector<std::string> warnings;
+  std::vector<StageSummary> stages;
+  std::map<std::string, double> seconds; ///< wall time per phase
+  double total_seconds = 0.;
+  double peak_memory = 0.; ///< highest of any rank, bytes
+  double bytes_per_particle = 0.;
+  std::map<std::string, std::string> libraries; ///< name and version
+};
+
+/// Versions of the libraries that matter to a result, of MPI and of the compiler.
+std::map<std::string, std::string> library_versions();
+
+/// Writes JSON in one go: a reader sees the old summary or the new one. Throws FileError.
+void write_summary(const RunSummary& summary, const std::string& file);
+} // namespace kedge

@@ -1,0 +1,60 @@
+// The material points: deal.II's ParticleHandler keeps the committed state, plain arrays serve the kernels.
+#pragma once
+
+#include <deal.II/particles/particle_handler.h>
+#include <kedge/mesh/background_mesh.h>
+#include <kedge/particles/arrays.h>
+#include <kedge/particles/fields.h>
+#include <kedge/particles/parameters.h>
+#include <map>
+
+namespace kedge
+{
+template <int dim>
+class ParticleSet
+{
+public:
+  using Handler = dealii::Particles::ParticleHandler<dim>;
+
+  explicit ParticleSet(BackgroundMesh<dim>& mesh);
+
+  Handler& handler() { return particles; }
+  const Handler& handler() const { return particles; }
+  ParticleArrays& arrays() { return mirror; }
+  const ParticleArrays& arrays() const { return mirror; }
+
+  /// Per particle of this rank, in the order of the arrays: centre and half-widths of the domain (m), number and leaf.
+  const std::vector<std::array<double, dim>>& positions() const { return centre; }
+  const std::vector<std::array<double, dim>>& half_widths() const { return half_width; }
+  const std::vector<unsigned int>& leaves() const { return leaf; }
+  const std::vector<long long>& ids() const { return id; }
+
+  /// Fills the arrays from the ParticleHandler. Call after any change of particles or mesh.
+  void load();
+
+  /// Notes the smallest gap (m) of each particle that is near a body; the others get NaN.
+  void set_contact_gaps(const std::map<long long, double>& gaps);
+
+  /// Makes the trial state of a converged step the committed one and re-sorts the particles into cells and ranks.
+  void commit(const ParticleIncrements& increments, DomainUpdate domain_update);
+
+  /// Spreads cells with their particles anew over the ranks; `cost` is a particle's work relative to an empty cell's.
+  void balance_load(BackgroundMesh<dim>& mesh, double cost);
+
+  /// Removes the particles for which `condition(position)` holds; returns their number over all ranks.
+  long long remove_if(const std::function<bool(const dealii::Point<dim>&)>& condition);
+
+  long long n_global() const { return particles.n_global_particles(); }
+  /// Particles that left the grid and were dropped, over all ranks.
+  long long n_lost() const;
+
+private:
+  BackgroundMesh<dim>& mesh;
+  Handler particles;
+  ParticleArrays mirror;
+  std::vector<std::array<double, dim>> centre, half_width;
+  std::vector<unsigned int> leaf;
+  std::vector<long long> id;
+  long long lost_here = 0;
+};
+} // namespace kedge

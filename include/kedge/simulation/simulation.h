@@ -1,0 +1,19 @@
+// Runs an input from its first stage to its last.
+#pragma once
+
+#include <kedge/simulation/input.h>
+#include <string>
+
+namespace kedge
+{
+struct RunOptions
+{
+  std::string input_file;       ///< for the summary
+  std::string output_directory; ///< every output lands below it
+  bool quiet = false;
+};
+
+/// Runs all stages. Throws SolverError where a step fails at its smallest size (the state reached is written first) and
+/// FileError where output cannot be written. Collective.
+void run_simulation(const Input& input, const RunOptions& options);
+} // namespace kedge

@@ -1,0 +1,73 @@
+// The nonlinear problem of one step: what has to be zero, and its derivative.
+#pragma once
+
+#include <kedge/assembly/ghost.h>
+#include <kedge/assembly/system.h>
+#include <kedge/base/report.h>
+#include <kedge/basis/active_nodes.h>
+#include <kedge/contact/contact.h>
+#include <kedge/particles/particle_set.h>
+#include <kedge/simulation/input.h>
+#include <kedge/solvers/newton.h>
+
+namespace kedge
+{
+/// Fixed data of a step: basis, numbering, sparsity, contact pairs. Solving it for a body increment and a load leaves the
+/// trial state in the particle arrays and the contact; nothing committed changes.
+template <int dim>
+class StepProblem
+{
+public:
+  struct Load
+  {
+    double gravity_factor = 1.;
+    std::vector<Vector6> body_increments; ///< per rigid point, of the whole (possibly cut) step
+  };
+
+  /// Overlaps particles with cells, numbers the active nodes and sets up the sparsity. Collective.
+  StepProblem(const Input& input,
+              const Stage& stage,
+              const BackgroundMesh<dim>& mesh,
+              ParticleSet<dim>& particles,
+              const Materials& materials,
+              const RigidSystems& bodies,
+              Contact<dim>& contact,
+              Timings& timings);
+
+  /// Finds equilibrium from rest. Collective.
+  NewtonReport solve(const Load& load);
+
+  /// Of the solution: displacement and dF of every particle, and the loads of the soil on the bodies. Collective.
+  ParticleIncrements particle_increments() const;
+  BodyLoads body_loads() const { return contact.loads(bodies, load.body_increments); }
+
+  long long n_dofs() const { return dim * nodes.n_global; }
+
+private:
+  void number_nodes();
+  std::vector<unsigned char> find_constrained_dofs() const;
+  void find_contact_pairs();
+  double residual(const TpetraVector& x, TpetraVector& r);
+  LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, double tolerance);
+
+  const Input& input;
+  const Stage& stage;
+  const BackgroundMesh<dim>& mesh;
+  ParticleSet<dim>& particles;
+  const Materials& materials;
+  const RigidSystems& bodies;
+  Contact<dim>& contact;
+  Timings& timings;
+
+  ActiveNodes nodes;
+  StencilSet stencils;
+  GhostFaces ghost_faces;
+  std::unique_ptr<System> system;
+  LinearSolver linear_solver;
+  Teuchos::RCP<TpetraVector> increment;
+  NodalVector local_increment;
+  NodalVector full_weight; ///< nodal weight of the soil under full gravity, N
+  double weight_norm = 0.;
+  Load load;
+};
+} // namespace kedge

@@ -1,0 +1,34 @@
+// Newton's method with line search, on callbacks. It knows vectors and numbers, no soil.
+#pragma once
+
+#include <functional>
+#include <kedge/base/tpetra.h>
+#include <kedge/solvers/linear_solver.h>
+#include <kedge/solvers/parameters.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+struct NewtonReport
+{
+  bool converged = false;
+  unsigned int iterations = 0; ///< linear systems solved
+  unsigned int krylov_iterations = 0;
+  unsigned int escalations = 0;
+  std::vector<double> residuals; ///< measure at the start and after every iteration
+  std::string failure;           ///< why it did not converge; empty if it did
+};
+
+struct NewtonProblem
+{
+  /// Fills r(x); returns the convergence measure (infinite or NaN where x is not admissible).
+  std::function<double(const TpetraVector& x, TpetraVector& residual)> residual;
+  /// Solves J(x) dx = r to a relative tolerance.
+  std::function<LinearReport(const TpetraVector& x, const TpetraVector& residual, TpetraVector& dx, double tolerance)> solve;
+};
+
+/// Finds r(x) = 0 from the given x by x <- x - alpha dx. The linear tolerance follows Eisenstat & Walker 1996
+/// (SIAM J. Sci. Comput. 17(1), choice 2); the line search halves alpha until the residual norm decreases (Armijo).
+NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters);
+} // namespace kedge

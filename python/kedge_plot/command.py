@@ -1,0 +1,135 @@
+"""The command kedge-plot."""
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+
+from . import PlotError
+from .resistance import fit_hyperbola, resistance_curve
+from .run import Run
+from .section import cut
+
+
+def parser():
+    """The options."""
+    options = argparse.ArgumentParser(
+        prog="kedge-plot",
+        description="Draws the results of a Kedge run: resistance over displacement and a section through the soil. "
+                    "Draws whatever the folder holds unless --resistance or --section asks for one.")
+    options.add_argument("folder", metavar="DIR", help="output folder of the run")
+    options.add_argument("--output", metavar="DIR", help="where the PNG files go (default: DIR/plots)")
+    options.add_argument("--resistance", action="store_true", help="draw the resistance only")
+    options.add_argument("--section", action="store_true", help="draw the section only")
+
+    curve = options.add_argument_group("resistance")
+    curve.add_argument("--body", type=int, default=1, help="number of the rigid point, from 1 (default: 1)")
+    curve.add_argument("--axis", choices="xyz", help="default: the one along which it moves most")
+    curve.add_argument("--stage", type=int, help="rows of this stage only, from 1 (default: all)")
+    curve.add_argument("--area", type=float, help="projected area [m2]: draw pressure instead of force")
+    curve.add_argument("--factor", type=float, default=1., help="multiplies the force: 2 for a half model")
+    curve.add_argument("--zero", action="store_true", help="count the force from its first value")
+    curve.add_argument("--fit", action="store_true", help="fit q = d / (a + b d) and print its asymptote")
+
+    section = options.add_argument_group("section")
+    section.add_argument("--plane", choices="xyz", default="y", help="axis across the section (default: y)")
+    section.add_argument("--at", type=float, default=0., help="position of the section along it [m] (default: 0)")
+    section.add_argument("--field", default="displacement magnitude",
+                         help="such as stress_xx, mean stress, volume (default: displacement magnitude)")
+    section.add_argument("--step", type=int, help="number in the file's name (default: the last)")
+    section.add_argument("--limits", type=float, nargs=2, metavar=("MIN", "MAX"), help="of the colours, in drawn units")
+    section.add_argument("--window", type=float, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
+                         help="part of the plane to show [m]")
+    section.add_argument("--area-above", type=float, metavar="VALUE",
+                         help="print the area where the field exceeds VALUE (SI), on either side of the body's middle")
+    return options
+
+
+def main(arguments=None):
+    """Runs the command; returns its exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        run = Run(options.folder)
+        target = pathlib.Path(options.output or run.folder / "plots")
+        try:
+            target.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise PlotError(f"{target}: cannot be created ({error.strerror})") from error
+        caption = _caption(run)
+        both = options.resistance == options.section
+        drawn = [_attempt(plot, both, run, target, options, caption)
+                 for plot, asked in ((_plot_resistance, options.resistance), (_plot_section, options.section))
+                 if asked or both]
+    except PlotError as error:
+        print(f"kedge-plot: {error}", file=sys.stderr)
+        return 1
+    return 0 if any(drawn) else 1
+
+
+def _attempt(plot, may_fail, run, target, options, caption):
+    """Draws one figure. Where nothing was asked for by name, what the folder does not hold is only mentioned."""
+    try:
+        print(plot(run, target, options, caption))
+        return True
+    except PlotError as error:
+        if not may_fail:
+            raise
+        print(f"kedge-plot: {error}", file=sys.stderr)
+        return False
+
+
+def _caption(run):
+    """Version and input of the run, for the figure's corner."""
+    summary = run.summary()
+    parts = [f"Kedge {summary['version']}"] if summary.get("version") else []
+    parts += [pathlib.Path(summary["input"]).name] if summary.get("input") else []
+    return ", ".join(parts)
+
+
+def _plot_resistance(run, target, options, caption):
+    from .figures import draw_resistance  # matplotlib takes a second to load: only where something is drawn
+
+    if options.area is not None and not options.area > 0.:
+        raise PlotError(f"--area {options.area:g}: an area is positive")
+    curve = resistance_curve(run.body_history(), options.body, options.axis, options.stage, options.factor,
+                             options.zero)
+    fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
+    path = target / f"resistance_body{options.body}_{curve.axis}.png"
+    draw_resistance(curve, path, options.area, fit, caption)
+    text = str(path)
+    if fit:
+        scale, unit = (1e-3 / options.area, "kPa") if options.area else (1., "N")
+        text += (f"\n  q = d / (1/k + d/q_lim): q_lim = {scale * fit.limit:.6g} +- {scale * fit.limit_error:.2g} {unit}"
+                 f", k = {scale * fit.stiffness:.6g} +- {scale * fit.stiffness_error:.2g} {unit}/m"
+                 f"\n  98 % of q_lim at {1e3 * fit.displacement_at(0.98):.4g} mm; "
+                 f"computed up to {1e3 * curve.displacement.max():.4g} mm")
+    return text
+
+
+def _plot_section(run, target, options, caption):
+    from .figures import draw_section
+
+    grids, step = run.soil(options.step)
+    section = cut(grids, run.surface(step), options.plane, options.at, options.field)
+    name = options.field.replace(" ", "_")
+    path = target / f"section_{options.plane}_{name}_{step:05d}.png"
+    draw_section(section, path, options.field, f"Step {step}, {options.plane} = {options.at:g} m", options.limits,
+                 options.window, caption)
+    text = str(path)
+    if options.area_above is not None:
+        text += "\n  " + _area_above(section, options.area_above)
+    return text
+
+
+def _area_above(section, threshold):
+    above = section.values > threshold
+    areas, centres = section.areas(), (section.lower[:, 0] + section.upper[:, 0]) / 2.
+    text = f"area with values above {threshold:g}: {areas[above].sum():.6g} m2"
+    if len(section.outline):
+        ends = section.outline[:, :, 0]
+        middle = (ends.min() + ends.max()) / 2.
+        before = np.sum(areas[above & (centres < middle)])
+        beyond = np.sum(areas[above & (centres >= middle)])
+        axis = section.axes[0]
+        text += f", of it {before:.6g} at {axis} < {middle:.4g} m and {beyond:.6g} at {axis} > {middle:.4g} m"
+    return text

@@ -1,0 +1,99 @@
+"""Draws curves and sections to PNG files."""
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402  (the back end must be chosen first)
+import numpy as np  # noqa: E402
+from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
+from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
+
+_STYLE = {"font.size": 9, "axes.labelsize": 9, "axes.linewidth": 0.8, "figure.dpi": 200, "savefig.dpi": 200,
+          "legend.frameon": False, "xtick.direction": "in", "ytick.direction": "in", "mathtext.default": "regular"}
+
+# By the start of a field's name: unit and the factor that turns SI into it.
+_UNITS = {"stress": ("kPa", 1e-3), "mean stress": ("kPa", 1e-3), "deviatoric stress": ("kPa", 1e-3),
+          "displacement": ("mm", 1e3), "position": ("m", 1.), "initial position": ("m", 1.), "velocity": ("m/s", 1.),
+          "acceleration": ("m/s²", 1.), "lp": ("m", 1.), "volume": ("m³", 1.), "initial volume": ("m³", 1.),
+          "young modulus": ("MPa", 1e-6), "contact gap": ("mm", 1e3)}
+
+
+def unit_of(field):
+    """Unit in which a field is drawn and the factor from SI; none for numbers without a dimension."""
+    for name in sorted(_UNITS, key=len, reverse=True):
+        if field.startswith(name):
+            return _UNITS[name]
+    return "", 1.
+
+
+def draw_resistance(curve, path, area=None, fit=None, caption=""):
+    """Force (kN) or, given an area (m2), pressure (kPa) over displacement (mm), with the fitted hyperbola if any."""
+    scale, name, unit = (1e-3 / area, "Resistance", "kPa") if area else (1e-3, "Reaction force", "kN")
+    with plt.rc_context(_STYLE):
+        figure, axes = plt.subplots(figsize=(4.5, 3.2), layout="constrained")
+        axes.plot(1e3 * curve.displacement, scale * curve.force, "o" if fit else "-", ms=2.5, lw=1.2, color="C0",
+                  label="computed", mfc="none" if fit else None)
+        if fit:
+            end = 1e3 * curve.displacement.max()
+            d = np.linspace(0., end, 400)
+            axes.plot(d, scale * fit(d / 1e3), color="C3", lw=1.2, label="hyperbola")
+            axes.axhline(scale * fit.limit, color="0.4", lw=0.8, ls="--",
+                         label=f"asymptote {scale * fit.limit:.4g} ± {scale * fit.limit_error:.2g} {unit}")
+        axes.set_xlabel(f"Displacement along {curve.axis} [mm]")
+        axes.set_ylabel(f"{name} [{unit}]")
+        axes.set_xlim(left=min(0., 1e3 * curve.displacement.min()))
+        if curve.force.min() >= 0.:
+            axes.set_ylim(bottom=0.)
+        axes.grid(True, lw=0.3, alpha=0.6)
+        if fit:
+            axes.legend(loc="lower right")
+        _finish(figure, axes, caption, path)
+
+
+def draw_section(section, path, field, title="", limits=None, window=None, caption=""):
+    """Coloured rectangles with the bodies' outline. limits: of the colours, in the drawn unit; window: part of the
+    plane (left, right, bottom, top) in m."""
+    unit, factor = unit_of(field)
+    left, right, bottom, top = window or _extent(section)
+    with plt.rc_context(_STYLE):
+        width = 6.3
+        height = np.clip(width * (top - bottom) / (right - left), 1.2, 8.) + 0.8
+        figure, axes = plt.subplots(figsize=(width, height), layout="constrained")
+        low, high = section.lower, section.upper
+        corners = np.stack([low, np.column_stack([high[:, 0], low[:, 1]]), high,
+                            np.column_stack([low[:, 0], high[:, 1]])], axis=1)
+        # Without lines and smoothing no background shines through between boxes that touch.
+        boxes = PolyCollection(corners, array=factor * section.values, cmap="viridis", linewidths=0.,
+                               antialiased=False, rasterized=True)
+        if limits:
+            boxes.set_clim(*limits)
+        axes.add_collection(boxes)
+        if len(section.outline):
+            axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1., capstyle="round"))
+        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", title=title,
+                 xlabel=f"{section.axes[0]} [m]", ylabel=f"{section.axes[1]} [m]")
+        beside = make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.1)
+        figure.colorbar(boxes, cax=beside, label=_label(field) + (f" [{unit}]" if unit else ""))
+        _finish(figure, axes, caption, path)
+
+
+def _extent(section):
+    """All rectangles and outlines with a small margin."""
+    points = np.concatenate([section.lower, section.upper, section.outline.reshape(-1, 2)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.02 * (high - low).max()
+    return low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin
+
+
+def _label(field):
+    text = field[:1].upper() + field[1:]
+    base, _, component = text.rpartition("_")
+    return f"{base}$_{{{component}}}$" if base else text
+
+
+def _finish(figure, axes, caption, path):
+    if caption:
+        axes.annotate(caption, (1., 1.), (0., 3.), xycoords="axes fraction", textcoords="offset points", ha="right",
+                      va="bottom", fontsize=6, color="0.45")
+    figure.savefig(path, bbox_inches="tight", pad_inches=0.04)
+    plt.close(figure)

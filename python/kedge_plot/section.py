@@ -1,0 +1,122 @@
+"""A plane section through the material points and the bodies."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import PlotError
+
+_LINE, _TRIANGLE, _QUAD, _HEXAHEDRON = 3, 5, 9, 12
+_COMPONENTS = {3: ["x", "y", "z"], 6: ["xx", "yy", "zz", "xy", "yz", "xz"], 9: [str(i) for i in range(1, 10)]}
+
+
+@dataclass
+class Section:
+    """Rectangles (lower and upper corner in the two axes of the plane, m), a value for each, and the bodies' outline as
+    segments (n, 2 ends, 2 coordinates)."""
+    axes: str
+    lower: np.ndarray
+    upper: np.ndarray
+    values: np.ndarray
+    outline: np.ndarray
+
+    def areas(self):
+        """Area of each rectangle, m2."""
+        return np.prod(self.upper - self.lower, axis=1)
+
+
+def cut(grids, surface, plane, at, field):
+    """Cuts boxes and surfaces by the plane where the coordinate `plane` (x, y or z) has the value `at` (m)."""
+    normal = "xyz".index(plane)
+    kept = [i for i in range(3) if i != normal]
+    lower, upper, values = [], [], []
+    for grid in grids:
+        boxes, value = _boxes(grid), evaluate(grid.cell_data, field)
+        hit = _crossing(boxes, normal, at)
+        lower.append(boxes[0][hit][:, kept])
+        upper.append(boxes[1][hit][:, kept])
+        values.append(value[hit])
+    lower, upper, values = map(np.concatenate, (lower, upper, values))
+    if len(values) == 0:
+        extent = [_boxes(grid) for grid in grids if len(grid.types)]
+        between = (f"; the soil lies between {min(b[0][:, normal].min() for b in extent):.6g} and "
+                   f"{max(b[1][:, normal].max() for b in extent):.6g} m") if extent else ""
+        raise PlotError(f"the plane {plane} = {at:g} m meets no material point{between}")
+    outline = np.empty((0, 2, 2)) if surface is None else _outline(surface, normal, at)[:, :, kept]
+    return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline)
+
+
+def _boxes(grid):
+    """Lower and upper corners of all cells, which are boxes or, in plane strain, rectangles."""
+    cells = grid.cells(_HEXAHEDRON)
+    if cells.size == 0:
+        cells = grid.cells(_QUAD)
+    if len(cells) != len(grid.types):
+        raise PlotError("the material points are not all boxes")
+    corners = grid.points[cells] if cells.size else np.empty((0, 1, 3))
+    return corners.min(axis=1), corners.max(axis=1)
+
+
+def _crossing(boxes, normal, at):
+    """Boxes that the plane meets. A plane between two boxes takes the one above it, at the upper end the one below."""
+    low, high = boxes[0][:, normal], boxes[1][:, normal]
+    if len(low) == 0:
+        return np.zeros(0, dtype=bool)
+    if (high == low).all():  # plane strain
+        return abs(low - at) <= 1e-9
+    tolerance = 1e-6 * (high - low)
+    above = (low <= at + tolerance) & (high > at + tolerance)
+    return above if above.any() else (low < at) & (high >= at - tolerance)
+
+
+def _outline(surface, normal, at):
+    """Segments in which triangles meet the plane; the lines themselves in plane strain."""
+    lines, triangles = surface.cells(_LINE), surface.cells(_TRIANGLE)
+    if triangles.size == 0:
+        return surface.points[lines] if lines.size else np.empty((0, 2, 3))
+    corners = surface.points[triangles]
+    size = np.ptp(surface.points, axis=0).max()
+    height = corners[:, :, normal] - at
+    # A vertex in the plane counts as above it: every triangle then has two crossed sides or none.
+    above = height >= -1e-12 * size
+    corners, height, above = (array[above.any(axis=1) & ~above.all(axis=1)] for array in (corners, height, above))
+    lone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    rows = np.arange(len(lone))
+    ends = []
+    for other in ((lone + 1) % 3, (lone + 2) % 3):
+        share = height[rows, lone] / (height[rows, lone] - height[rows, other])
+        ends.append(corners[rows, lone] + share[:, None] * (corners[rows, other] - corners[rows, lone]))
+    return np.stack(ends, axis=1)
+
+
+def evaluate(data, field):
+    """A scalar per cell: "volume", "stress_xx", "displacement" or "displacement magnitude" (the norm of a vector),
+    "mean stress" (a third of the trace) or "deviatoric stress" (von Mises)."""
+    if field in ("mean stress", "deviatoric stress") and "stress" in data:
+        stress = data["stress"]
+        mean = stress[:, :3].sum(axis=1) / 3.
+        if field == "mean stress":
+            return mean
+        deviator = stress[:, :3] - mean[:, None]
+        return np.sqrt(1.5 * (deviator**2).sum(axis=1) + 3. * (stress[:, 3:]**2).sum(axis=1))
+    name = field[:-len(" magnitude")] if field.endswith(" magnitude") else field
+    if name in data:
+        values = data[name]
+        if values.ndim == 1:
+            return values
+        if values.shape[1] == 3:
+            return np.linalg.norm(values, axis=1)
+    base, _, component = field.rpartition("_")
+    if base in data and data[base].ndim == 2 and component in _COMPONENTS.get(data[base].shape[1], []):
+        return data[base][:, _COMPONENTS[data[base].shape[1]].index(component)]
+    raise PlotError(f"no field \"{field}\"; there are: {', '.join(_field_names(data))}")
+
+
+def _field_names(data):
+    names = []
+    for name, values in sorted(data.items()):
+        if values.ndim == 1:
+            names.append(name)
+        else:
+            names += [name] if values.shape[1] == 3 else []
+            names += [f"{name}_{component}" for component in _COMPONENTS.get(values.shape[1], [])]
+    return names + (["mean stress", "deviatoric stress"] if "stress" in data else [])

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+#include <kedge/base/report.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace kedge
+{
+namespace
+{
+constexpr int bar_width = 12;
+
+std::string format_duration(const double seconds)
+{
+  const long total = std::lround(seconds);
+  if (total >= 3600)
+    return fmt::format("{}h{:02d}m", total / 3600, (total / 60) % 60);
+  return total >= 60 ? fmt::format("{}m{:02d}s", total / 60, total % 60) : fmt::format("{}s", total);
+}
+} // namespace
+
+std::string format_progress(const Progress& state)
+{
+  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
+  const int filled = static_cast<int>(fraction * bar_width);
+  std::string bar;
+  for (int i = 0; i < bar_width; ++i)
+    bar += i < filled ? "█" : "░";
+  return fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g} NR {} cuts {} del {} N {} Krylov {}",
+                     state.stage,
+                     state.n_stages,
+                     bar,
+                     100. * fraction,
+                     state.time,
+                     state.end,
+                     state.step,
+                     state.increment,
+                     state.newton_iterations,
+                     state.cuts,
+                     state.deleted,
+                     state.particles,
+                     state.krylov_iterations);
+}
+
+Report::Report(const bool speak_, const bool quiet_)
+  : speak(speak_),
+    quiet(quiet_),
+    on_terminal(isatty(STDOUT_FILENO)),
+    stage_start(std::chrono::steady_clock::now())
+{}
+
+void Report::line(const std::string& text)
+{
+  end_progress();
+  if (speak && !quiet)
+    {
+      fmt::print("{}\n", text);
+      std::fflush(stdout);
+    }
+}
+
+void Report::warn(const std::string& text)
+{
+  end_progress();
+  given_warnings.push_back(text);
+  if (speak)
+    fmt::print(stderr, "warning: {}\n", text);
+}
+
+void Report::progress(const Progress& state)
+{
+  if (state.stage != last_stage)
+    {
+      last_stage = state.stage;
+      last_percent = -1;
+      stage_start = std::chrono::steady_clock::now();
+    }
+  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
+  const int percent = static_cast<int>(100. * fraction + 1e-6);
+  if (!speak || quiet || (!on_terminal && percent == last_percent))
+    return;
+  last_percent = percent;
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - stage_start).count();
+  const double left = fraction > 0. ? elapsed * (1. - fraction) / fraction : 0.;
+  fmt::print("{}{} left {}{}",
+             on_terminal ? "\r" : "",
+             format_progress(state),
+             format_duration(left),
+             on_terminal ? "\x1b[K" : "\n");
+  std::fflush(stdout);
+  line_open = on_terminal;
+}
+
+void Report::end_progress()
+{
+  if (line_open)
+    fmt::print("\n");
+  line_open = false;
+}
+
+Timings::Scope::Scope(Timings& timings_, const char* phase_)
+  : timings(timings_),
+    phase(phase_),
+    start(std::chrono::steady_clock::now())
+{}
+
+Timings::Scope::~Scope()
+{
+  timings.totals[phase] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double peak_memory()
+{
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024. * static_cast<double>(usage.ru_maxrss);
+}
+} // namespace kedge

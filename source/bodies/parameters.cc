@@ -1,0 +1,203 @@
+#include <cmath>
+#include <kedge/bodies/parameters.h>
+#include <kedge/parameters/section.h>
+
+namespace kedge
+{
+using namespace schema;
+
+namespace
+{
+Format<DofCondition> dof_condition()
+{
+  Format<DofCondition> format;
+  format.expects = "\"free\", \"fixed\" or {\"prescribed\": q}";
+  format.unit = "m or rad per step";
+  format.read = [expects = format.expects](const Json& json, const Place& place)
+  {
+    using Kind = DofCondition::Kind;
+    if (json.is_object())
+    {
+      Section<DofCondition> moved("A prescribed movement");
+      moved.required("prescribed", &DofCondition::increment, number("m or rad per step"), "Movement per uncut step");
+      DofCondition condition{Kind::prescribed, 0.};
+      moved.read(json, condition, place);
+      return condition;
+    }
+    if (!json.is_string())
+      place.expected(expects, shown(json));
+    return DofCondition{read_word(json, place, {"free", "fixed"}) == 0 ? Kind::free : Kind::fixed, 0.};
+  };
+  const Json movement = {{"description", "Movement per uncut step"}, {"type", "number"}};
+  format.schema = {{"anyOf",
+                    {{{"enum", {"free", "fixed"}}},
+                     {{"type", "object"},
+                      {"properties", {{"prescribed", movement}, {"comment", Json::object()}}},
+                      {"required", Json::array({"prescribed"})},
+                      {"additionalProperties", false}}}}};
+  return format;
+}
+
+Format<std::array<DofCondition, 6>> point_conditions()
+{
+  return fixed_list<6>(dof_condition(), Layout{6, 3, "[x, y, z, about x, about y, about z]", "[x, z, rotation]"});
+}
+
+Section<PointParameters> point_section()
+{
+  using P = PointParameters;
+  Section<P> section("A rigid frame that carries mass");
+  section.required("position", &P::position, vector("m"), "Position, as a rule the centre of mass");
+  section.required("mass", &P::mass, number("kg", not_negative()), "Mass");
+  section.required("rotational inertia", &P::inertia,
+                   fixed_list<3>(number("kg m2", not_negative()), Layout{3, 1, "[xx, yy, zz]", "[in the plane]"}),
+                   "Principal moments of inertia about the point");
+  section.required("boundary conditions", &P::conditions, point_conditions(),
+                   "Condition on each degree of freedom in every stage that does not replace it");
+  return section;
+}
+
+void check_constraint(const ConstraintParameters& constraint, const Place& place)
+{
+  const auto is_zero = [](const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]) == 0.; };
+  const bool hinge = constraint.type == ConstraintType::rotation_lock;
+  if (hinge && place.context().dimension == 2)
+    place.key("type").fail("a hinge axis has no meaning in 2-D", "use \"coincidence\", which is a hinge there");
+  if (constraint.points[0] == constraint.points[1])
+    place.key("points").fail("both are point " + std::to_string(constraint.points[0]), "join two different points");
+  if (hinge)
+    for (const auto& [name, direction] :
+         {std::make_pair("direction 1", constraint.direction_1), std::make_pair("direction 2", constraint.direction_2)})
+      if (is_zero(direction))
+        place.key(name).fail("the direction is zero", "give the hinge axis, of any length");
+  if (constraint.type == ConstraintType::distance_stop)
+    for (const auto& [name, position] :
+         {std::make_pair("position 1", constraint.position_1), std::make_pair("position 2", constraint.position_2)})
+      if (position == constraint.rotation_centre)
+        place.key(name).fail("the anchor lies on the rotation centre, where no angle is defined", "move it away");
+}
+
+Section<ConstraintParameters> constraint_section()
+{
+  using P = ConstraintParameters;
+  const std::string ball = "coincidence", hinge = "rotation lock", rod = "distance lock", stop = "distance stop";
+  Section<P> section("A penalty joint between two points of the system");
+  section.required("type", &P::type,
+                   choice<ConstraintType>({{ball, ConstraintType::coincidence},
+                                           {hinge, ConstraintType::rotation_lock},
+                                           {rod, ConstraintType::distance_lock},
+                                           {stop, ConstraintType::distance_stop}}),
+                   "Ball, hinge, rod, or rope that goes taut at an opening angle");
+  section.required("points", &P::points, fixed_list<2>(count(Bounds().at_least(1)), Layout{2, 2, "[a, b]", "[a, b]"}),
+                   "The two points, numbered from 1 in their system");
+  section.required("stiffness", &P::stiffness, number("N/m", positive()), "Penalty stiffness");
+  section.required("position 1", &P::position_1, vector("m"), "Anchor carried by the first point")
+      .only_for("type", {ball, rod, stop});
+  section.required("position 2", &P::position_2, vector("m"), "Anchor carried by the second point")
+      .only_for("type", {ball, rod, stop});
+  section.required("rotation centre", &P::rotation_centre, vector("m"), "The pin, or the centre of the opening angle")
+      .only_for("type", {hinge, stop});
+  section.required("direction 1", &P::direction_1, vector("-"), "Hinge axis carried by the first point")
+      .only_for("type", {hinge});
+  section.required("direction 2", &P::direction_2, vector("-"), "Hinge axis carried by the second point")
+      .only_for("type", {hinge});
+  section
+      .required("rotational stiffness", &P::rotational_stiffness, number("N m", positive()),
+                "Penalty stiffness that keeps the two axes parallel")
+      .only_for("type", {hinge});
+  section.required("distance", &P::distance, number("m", positive()), "Length of the rod").only_for("type", {rod});
+  section
+      .required("angle limit", &P::angle_limit, number("degrees", positive().at_most(180.)),
+                "Opening angle at which the stop goes taut")
+      .only_for("type", {stop});
+  section.check(check_constraint);
+  return section;
+}
+
+const char* const which_point = "Point that carries it, numbered from 1 in its system";
+
+Section<SurfaceParameters> stl_section()
+{
+  using P = SurfaceParameters;
+  Section<P> section("A closed surface welded to a point");
+  section.required("stl", &P::stl, existing_file(),
+                   "ASCII or binary STL file in global coordinates, relative to the input file");
+  section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
+  section.ignored("mesh cache", "Not read: no volume mesh is needed");
+  section.ignored("name", "Not read: a label");
+  return section;
+}
+
+Section<SurfaceParameters> outline_section()
+{
+  using P = SurfaceParameters;
+  Section<P> section("A closed polygon welded to a point, in 2-D");
+  section.required("polygon", &P::outline, list_of(fixed_list<2>(number("m"), Layout{2, 2, "[x, z]", "[x, z]"}), 3),
+                   "Corners in order; the last is joined to the first");
+  section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
+  return section;
+}
+
+Section<TrackedNodeParameters> tracked_node_section()
+{
+  using P = TrackedNodeParameters;
+  Section<P> section("A marker that moves with a point and is written to the output");
+  section.required("position", &P::position, vector("m"), "Position of the marker");
+  section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
+  return section;
+}
+
+void check_system(const SystemParameters& system, const Place& place)
+{
+  const auto require_point = [&](unsigned int point, const Place& where)
+  {
+    if (point > system.points.size())
+      where.fail("there is no point " + std::to_string(point),
+                 "points count from 1, so use 1 to " + std::to_string(system.points.size()));
+  };
+  for (std::size_t i = 0; i < system.constraints.size(); ++i)
+    for (std::size_t end = 0; end < 2; ++end)
+      require_point(system.constraints[i].points[end], place.key("constraints").entry(i).key("points").entry(end));
+
+  std::size_t files = 0, outlines = 0;
+  for (const SurfaceParameters& surface : system.surfaces)
+  {
+    const bool flat = place.context().dimension == 2, is_outline = surface.stl.empty();
+    const Place where = is_outline ? place.key("outline").entry(outlines++) : place.key("stl files").entry(files++);
+    if (is_outline != flat)
+      where.fail(flat ? "a 3-D surface in a 2-D scene" : "an outline in a 3-D scene",
+                 flat ? "use \"outline\"" : "use \"stl files\", or set \"dimension\" to 2");
+    require_point(surface.point, where.key("point"));
+  }
+  for (std::size_t i = 0; i < system.tracked_nodes.size(); ++i)
+    require_point(system.tracked_nodes[i].point, place.key("tracked nodes").entry(i).key("point"));
+}
+} // namespace
+
+Section<SystemParameters> system_section()
+{
+  using P = SystemParameters;
+  Section<P> section("A system of points that constraints may join");
+  section.required("points", &P::points, list_of(object_of(point_section()), 1), "The points, numbered from 1");
+  section.optional("constraints", &P::constraints, list_of(object_of(constraint_section())), "Joints between points");
+  const auto add = [](P& system, const std::vector<SurfaceParameters>& surfaces)
+  { system.surfaces.insert(system.surfaces.end(), surfaces.begin(), surfaces.end()); };
+  section.optional("stl files", add, list_of(object_of(stl_section())), "Surfaces that touch the soil");
+  section.optional("outline", add, list_of(object_of(outline_section())), "In 2-D: polygons that touch the soil");
+  section.optional("tracked nodes", &P::tracked_nodes, list_of(object_of(tracked_node_section())),
+                   "Markers, written as track1, track2, ...");
+  section.optional("offset", &P::offset, vector("m"), "Moves the whole system before the run");
+  section.check(check_system);
+  return section;
+}
+
+Section<PointConditionsOverride> point_conditions_section()
+{
+  using P = PointConditionsOverride;
+  Section<P> section("Conditions of one point for this stage");
+  section.required("system", &P::system, count(Bounds().at_least(1)), "System, numbered from 1");
+  section.required("point", &P::point, count(Bounds().at_least(1)), "Point, numbered from 1 in its system");
+  section.required("boundary conditions", &P::conditions, point_conditions(), "Condition on each degree of freedom");
+  return section;
+}
+} // namespace kedge

@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/bodies/surface.h>
+#include <numeric>
+
+namespace kedge
+{
+namespace
+{
+using Point = std::array<double, 2>;
+
+/// Twice the signed area of a triangle; positive where a, b, c turn left.
+double turn(const Point& a, const Point& b, const Point& c)
+{
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+bool holds(const Point& a, const Point& b, const Point& c, const Point& x)
+{
+  return turn(a, b, x) >= 0. && turn(b, c, x) >= 0. && turn(c, a, x) >= 0.;
+}
+
+/// Triangulates a simple polygon, given counter-clockwise, by cutting ears. Returns an incomplete list where no ear is
+/// left, as in a polygon that crosses itself.
+std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& polygon)
+{
+  std::vector<unsigned int> rest(polygon.size());
+  std::iota(rest.begin(), rest.end(), 0u);
+  std::vector<std::array<unsigned int, 3>> triangles;
+  const auto corners = [&](std::size_t i)
+  {
+    const std::size_t n = rest.size();
+    return std::array<unsigned int, 3>{rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]};
+  };
+  const auto is_ear = [&](const std::array<unsigned int, 3>& ear)
+  {
+    const Point &a = polygon[ear[0]], &b = polygon[ear[1]], &c = polygon[ear[2]];
+    return turn(a, b, c) > 0. &&
+           std::none_of(rest.begin(), rest.end(),
+                        [&](unsigned int v)
+                        { return v != ear[0] && v != ear[1] && v != ear[2] && holds(a, b, c, polygon[v]); });
+  };
+  for (std::size_t i = 0; rest.size() > 2 && i < rest.size();)
+    if (is_ear(corners(i)))
+    {
+      triangles.push_back(corners(i));
+      rest.erase(rest.begin() + i);
+      i = 0;
+    }
+    else
+      ++i;
+  return triangles;
+}
+
+/// Whether the segments a-b and c-d cross in a point inside both.
+bool cross(const Point& a, const Point& b, const Point& c, const Point& d)
+{
+  return turn(a, b, c) * turn(a, b, d) < 0. && turn(c, d, a) * turn(c, d, b) < 0.;
+}
+
+void check_outline(const std::vector<Point>& outline, const std::string& json_path)
+{
+  const std::size_t n = outline.size();
+  if (n < 3)
+    throw InputError(json_path, fmt::format("an outline of {} points encloses nothing", n),
+                     "give at least three points");
+  const auto at = [](const Point& x) { return fmt::format("[{:.6g}, {:.6g}]", x[0], x[1]); };
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const Point &a = outline[i], &b = outline[(i + 1) % n];
+    if (a == b)
+      throw InputError(json_path, "the outline repeats the point " + at(a), "remove one; the outline closes by itself");
+    for (std::size_t j = i + 2; j < n; ++j)
+      if (cross(a, b, outline[j], outline[(j + 1) % n]))
+        throw InputError(json_path,
+                         fmt::format("the outline crosses itself: the side from {} to {} and the side from {} to {}",
+                                     at(a), at(b), at(outline[j]), at(outline[(j + 1) % n])),
+                         "order the points along the outline");
+  }
+}
+} // namespace
+
+TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::string& json_path)
+{
+  check_outline(outline, json_path);
+  const std::size_t n = outline.size();
+  double area = 0., size = 0.;
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    area += turn(outline[0], outline[i], outline[(i + 1) % n]) / 2.;
+    size = std::max({size, std::abs(outline[i][0] - outline[0][0]), std::abs(outline[i][1] - outline[0][1])});
+  }
+  std::vector<Point> polygon = outline;
+  if (area < 0.)
+    polygon.assign(outline.rbegin(), outline.rend());
+  const std::vector<std::array<unsigned int, 3>> cap = cut_ears(polygon);
+  if (cap.size() + 2 != n)
+    throw InputError(json_path, "the outline touches itself or encloses no area", "order the points along the outline");
+
+  // No inner point is farther from the sides than the outline is large, so the caps at this distance are never nearest.
+  const double half_width = 4. * size;
+  TriangleMesh mesh;
+  for (const double y : {-half_width, half_width})
+    for (const Point& x : polygon)
+      mesh.vertices.emplace_back(x[0], y, x[1]);
+  const auto front = [](std::size_t i) { return static_cast<unsigned int>(i); };
+  const auto back = [n](std::size_t i) { return static_cast<unsigned int>(n + i); };
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const std::size_t j = (i + 1) % n;
+    mesh.triangles.push_back({front(i), back(j), front(j)});
+    mesh.triangles.push_back({front(i), back(i), back(j)});
+  }
+  for (const auto& [a, b, c] : cap)
+  {
+    mesh.triangles.push_back({front(a), front(b), front(c)});
+    mesh.triangles.push_back({back(a), back(c), back(b)});
+  }
+  check_surface(mesh, json_path, "the extruded outline");
+  return mesh;
+}
+} // namespace kedge

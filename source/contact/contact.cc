@@ -1,0 +1,303 @@
+#include <algorithm>
+#include <cmath>
+#include <kedge/base/communication.h>
+#include <kedge/contact/contact.h>
+#include <limits>
+#include <unordered_set>
+
+namespace kedge
+{
+namespace
+{
+/// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
+constexpr double nudge = 1e-6;
+
+template <int dim>
+Eigen::Vector3d to_world(const std::array<double, dim>& x)
+{
+  // plane strain happens in the plane y = 0
+  return dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]);
+}
+
+/// Row of the world vector that a nodal component belongs to.
+template <int dim>
+constexpr unsigned int world_axis(const unsigned int component)
+{
+  return dim == 2 && component == 1 ? 2 : component;
+}
+
+template <int dim>
+ContactStiffness make_stiffness(const ContactParameters& parameters, const double volume, const double young)
+{
+  const double size = std::pow(volume, 1. / dim);
+  const double area = std::pow(size, dim - 1);
+  const double corner_share = dim == 3 ? 0.25 : 0.5; // of the particle's face
+  const double unit = young * area / size * corner_share;
+  return {parameters.normal_penalty_factor * unit,
+          parameters.tangential_penalty_factor * unit,
+          parameters.friction_coefficient};
+}
+
+Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
+{
+  switch (closest.feature)
+    {
+      case Feature::edge:
+        return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
+      case Feature::vertex:
+        return Eigen::Matrix3d::Identity();
+      default:
+        return closest.normal * closest.normal.transpose();
+    }
+}
+} // namespace
+
+template <int dim>
+Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm communicator_)
+  : parameters(parameters_),
+    communicator(communicator_)
+{}
+
+template <int dim>
+void Contact<dim>::find_pairs(const RigidSystems& bodies,
+                              const LeafTable<dim>& table,
+                              const ContactParticles<dim>& particles,
+                              const std::vector<unsigned int>& number,
+                              const double reach)
+{
+  pairs.clear();
+  points = PointForces();
+  std::vector<NodeShare<dim>> shares;
+  for (std::size_t p = 0; p < particles.centre.size(); ++p)
+    {
+      double radius = reach;
+      for (const double half : particles.half_width[p])
+        radius += 2. * half;
+      std::vector<unsigned int> near;
+      for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
+        {
+          const WeldedSurface& welded = bodies.surfaces[s];
+          const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(to_world<dim>(particles.centre[p]));
+          if (!welded.surface.surely_farther_than(x, radius) && welded.surface.closest_point_within(x, radius))
+            near.push_back(s);
+        }
+      if (near.empty())
+        continue;
+
+      const ContactStiffness stiffness =
+        make_stiffness<dim>(parameters, particles.initial_volume[p], particles.young[p]);
+      for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+        {
+          std::array<double, dim> x, inside;
+          for (unsigned int d = 0; d < dim; ++d)
+            {
+              const double sign = (corner >> d) & 1u ? 1. : -1., half = particles.half_width[p][d];
+              x[d] = particles.centre[p][d] + sign * half;
+              inside[d] = std::clamp(particles.centre[p][d] + sign * half * (1. - nudge),
+                                     0.,
+                                     table.base_size * table.base_cells[d]);
+            }
+          const int leaf = table.find_leaf(inside);
+          if (leaf < 0)
+            continue;
+          shares.clear();
+          add_leaf_shape<dim>(table, leaf, inside, 1., shares);
+          const unsigned int point = points.n_points();
+          for (const NodeShare<dim>& share : shares)
+            {
+              points.nodes.push_back(number[share.node]);
+              points.weights.push_back(share.value);
+            }
+          points.begin.push_back(points.nodes.size());
+          for (const unsigned int s : near)
+            {
+              Pair pair;
+              pair.key = {particles.id[p], corner, s};
+              pair.point = point;
+              pair.start = to_world<dim>(x);
+              pair.stiffness = stiffness;
+              if (const auto entry = history.find(pair.key); entry != history.end())
+                pair.committed = entry->second;
+              pair.trial = pair.committed;
+              pairs.push_back(pair);
+            }
+        }
+    }
+  points.force.assign(3 * points.n_points(), 0.);
+  points.tangent.assign(9 * points.n_points(), 0.);
+}
+
+template <int dim>
+void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
+{
+  for (Pair& pair : pairs)
+    {
+      const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+      const auto closest =
+        welded.surface.closest_point_within(bodies.points[welded.point].pose.to_body(pair.start), 0.);
+      if (closest && closest->gap < 0.)
+        {
+          pair.committed.reference_gap = closest->gap;
+          pair.trial = pair.committed;
+          history[pair.key] = pair.committed;
+        }
+    }
+}
+
+template <int dim>
+Eigen::Vector3d Contact<dim>::corner_displacement(const Pair& pair, const double* nodal_increment) const
+{
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (unsigned int v = points.begin[pair.point]; v < points.begin[pair.point + 1]; ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      u[world_axis<dim>(d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
+  return u;
+}
+
+template <int dim>
+const PointForces& Contact<dim>::evaluate(const RigidSystems& committed,
+                                          const std::vector<Vector6>& increments,
+                                          const double* nodal_increment)
+{
+  std::vector<Pose> moved;
+  for (std::size_t i = 0; i < committed.points.size(); ++i)
+    moved.push_back(committed.points[i].pose.moved(increments[i]));
+
+  std::fill(points.force.begin(), points.force.end(), 0.);
+  std::fill(points.tangent.begin(), points.tangent.end(), 0.);
+  touching.clear();
+  for (Pair& pair : pairs)
+    {
+      const WeldedSurface& welded = committed.surfaces[pair.key.surface];
+      const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
+      const Eigen::Vector3d displacement = corner_displacement(pair, nodal_increment);
+      pair.position = pair.start + displacement;
+      pair.active = false;
+      pair.force.setZero();
+      pair.gap = std::numeric_limits<double>::infinity();
+      pair.trial = History();
+      const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), 0.);
+      if (!closest)
+        continue;
+      pair.gap = closest->gap;
+      // a corner that comes out of its first penetration finds the true surface when it returns
+      pair.trial.reference_gap = std::min(0., std::max(pair.committed.reference_gap, closest->gap));
+
+      ContactGeometry at;
+      at.distance = closest->gap;
+      at.gap = closest->gap - pair.committed.reference_gap;
+      at.normal = now.direction_to_world(closest->normal);
+      const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
+      at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
+      at.slip = displacement - (now.to_world(closest->point) - before.to_world(closest->point));
+      const Eigen::Vector3d previous =
+        now.direction_to_world(before.direction_to_body(pair.committed.tangential));
+
+      const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);
+      pair.active = response.active;
+      pair.force = response.force;
+      pair.trial.tangential = response.tangential;
+      if (!response.active)
+        continue;
+      touching.push_back({pair.position, pair.force, pair.key.surface});
+      for (unsigned int i = 0; i < dim; ++i)
+        {
+          points.force[3 * pair.point + i] += response.force[world_axis<dim>(i)];
+          for (unsigned int j = 0; j < dim; ++j)
+            points.tangent[9 * pair.point + 3 * i + j] += response.tangent(world_axis<dim>(i), world_axis<dim>(j));
+        }
+    }
+  return points;
+}
+
+template <int dim>
+BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const
+{
+  BodyLoads result(committed.points.size(), Vector6::Zero());
+  for (const Pair& pair : pairs)
+    if (pair.active)
+      {
+        const unsigned int point = committed.surfaces[pair.key.surface].point;
+        const Eigen::Vector3d arm = pair.position - committed.points[point].pose.moved(increments[point]).position;
+        result[point].template head<3>() -= pair.force;
+        result[point].template tail<3>() -= arm.cross(pair.force);
+      }
+  if (!result.empty())
+    MPI_Allreduce(MPI_IN_PLACE, result.data(), 6 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  return result;
+}
+
+template <int dim>
+void Contact<dim>::commit()
+{
+  history.clear();
+  for (const Pair& pair : pairs)
+    if (pair.active || pair.trial.reference_gap < 0.)
+      history[pair.key] = pair.trial;
+}
+
+template <int dim>
+void Contact<dim>::follow_particles(const std::vector<long long>& ids)
+{
+  if (size_of(communicator) == 1)
+    return;
+  struct Parcel
+  {
+    Key key;
+    double tangential[3], reference_gap;
+  };
+  const std::unordered_set<long long> here(ids.begin(), ids.end());
+  std::vector<Parcel> leaving;
+  for (auto entry = history.begin(); entry != history.end();)
+    if (here.count(entry->first.particle))
+      ++entry;
+    else
+      {
+        const History& state = entry->second;
+        leaving.push_back({entry->first,
+                           {state.tangential[0], state.tangential[1], state.tangential[2]},
+                           state.reference_gap});
+        entry = history.erase(entry);
+      }
+  for (const Parcel& parcel : gather_everywhere(leaving, communicator))
+    if (here.count(parcel.key.particle))
+      {
+        History& state = history[parcel.key];
+        state.tangential = Eigen::Map<const Eigen::Vector3d>(parcel.tangential);
+        state.reference_gap = parcel.reference_gap;
+      }
+}
+
+template <int dim>
+std::map<long long, double> Contact<dim>::smallest_gaps() const
+{
+  std::map<long long, double> gaps;
+  for (const Pair& pair : pairs)
+    {
+      const auto [entry, is_new] = gaps.emplace(pair.key.particle, pair.gap);
+      if (!is_new)
+        entry->second = std::min(entry->second, pair.gap);
+    }
+  return gaps;
+}
+
+template <int dim>
+long long Contact<dim>::n_active() const
+{
+  const long long here = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.active; });
+  return sum_over_ranks(here, communicator);
+}
+
+template <int dim>
+double Contact<dim>::deepest_penetration() const
+{
+  double deepest = 0.;
+  for (const Pair& pair : pairs)
+    if (pair.active)
+      deepest = std::max(deepest, pair.committed.reference_gap - pair.gap);
+  return max_over_ranks(deepest, communicator);
+}
+
+template class Contact<2>;
+template class Contact<3>;
+} // namespace kedge

@@ -1,0 +1,28 @@
+#include <kedge/contact/parameters.h>
+#include <kedge/parameters/section.h>
+
+namespace kedge
+{
+using namespace schema;
+
+Section<ContactParameters> contact_section()
+{
+  using P = ContactParameters;
+  Section<P> section("Contact between the soil and the surfaces of the rigid bodies");
+  section.required("friction coefficient", &P::friction_coefficient, number("-", not_negative()),
+                   "Coulomb's coefficient; 0: frictionless");
+  section.optional("method", &P::method,
+                   choice<ContactMethod>({{"penalty", ContactMethod::penalty},
+                                          {"augmented lagrangian", ContactMethod::augmented_lagrangian}}),
+                   "Penalty springs alone, or with multipliers that take out the penetration");
+  section.optional("normal penalty factor", &P::normal_penalty_factor, number("-", positive()),
+                   "Normal contact stiffness over that of the material point");
+  section.optional("tangential penalty factor", &P::tangential_penalty_factor, number("-", positive()),
+                   "Sticking stiffness over that of the material point");
+  section
+      .optional("penetration tolerance", &P::penetration_tolerance, number("-", positive().below(1.)),
+                "Largest penetration left, as a share of a material point's size")
+      .only_for("method", {"augmented lagrangian"});
+  return section;
+}
+} // namespace kedge

@@ -1,0 +1,53 @@
+#include <algorithm>
+#include <cmath>
+#include <kedge/mesh/grid_layout.h>
+
+namespace kedge
+{
+namespace
+{
+// Sizes come from decimal input: 0.8 / 0.1 must count as 8, not as 8.000000000000002.
+constexpr double rounding_slack = 1e-9;
+
+unsigned int count_rounded_up(const double length, const double unit)
+{
+  return static_cast<unsigned int>(std::max(1., std::ceil(length / unit - rounding_slack)));
+}
+} // namespace
+
+double round_down_to_level(const double size, const double finest)
+{
+  const double levels = std::floor(std::log2(size / finest) + rounding_slack);
+  return finest * std::exp2(std::max(0., levels));
+}
+
+template <int dim>
+GridLayout<dim> make_grid_layout(const double base,
+                                 const std::vector<double>& sizes,
+                                 const std::array<double, dim - 1>& footprint,
+                                 const double soil_thickness,
+                                 const unsigned int particles_per_axis)
+{
+  GridLayout<dim> grid;
+  grid.finest_size = base;
+  for (const double size : sizes)
+    grid.finest_size = std::min(grid.finest_size, size);
+  grid.base_size = round_down_to_level(base, grid.finest_size);
+  for (unsigned int axis = 0; axis < dim - 1; ++axis)
+    {
+      grid.base_cells[axis] = count_rounded_up(footprint[axis], grid.base_size);
+      grid.soil_extent[axis] = grid.extent(axis);
+    }
+  const double row = grid.base_size / particles_per_axis;
+  grid.soil_extent[dim - 1] = row * count_rounded_up(soil_thickness, row);
+  grid.base_cells[dim - 1] = count_rounded_up(2. * grid.soil_extent[dim - 1], grid.base_size);
+  return grid;
+}
+
+template struct GridLayout<2>;
+template struct GridLayout<3>;
+template GridLayout<2> make_grid_layout<2>(
+  double, const std::vector<double>&, const std::array<double, 1>&, double, unsigned int);
+template GridLayout<3> make_grid_layout<3>(
+  double, const std::vector<double>&, const std::array<double, 2>&, double, unsigned int);
+} // namespace kedge

@@ -1,0 +1,121 @@
+#include <kedge/mesh/parameters.h>
+#include <kedge/parameters/section.h>
+
+namespace kedge
+{
+using namespace schema;
+
+namespace
+{
+using Planes = std::array<TrackPlane, 3>;
+
+/// Fills one member of all planes from a list.
+template <typename V> auto per_axis(V TrackPlane::*member)
+{
+  return [member](Planes& planes, const std::array<V, 3>& values)
+  {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      planes[axis].*member = values[axis];
+  };
+}
+
+/// Only the plane that the bodies leave behind may remove soil: the lower one when it moves up, the upper one when it
+/// moves down.
+void check_removal(const Planes& planes, const Place& place, Advance trailing)
+{
+  for (std::size_t axis = 0; axis < planes.size(); ++axis)
+    if (planes[axis].type && planes[axis].remove && planes[axis].advance != trailing)
+      place.key("remove").entry(axis).fail("\"yes\" is for a trailing plane, which this one is not",
+                                           std::string("set it to \"no\", or \"advance\" of this axis to \"") +
+                                               (trailing == Advance::positive ? "positive" : "negative") + "\"");
+}
+
+Section<Planes> planes_section(const std::string& side, Advance trailing)
+{
+  Section<Planes> section("Planes of the window on the " + side + " side of the bodies");
+  section.required(
+      "type", per_axis(&TrackPlane::type),
+      fixed_list<3>(choice<std::optional<FaceCondition>>(
+                        {{"off", std::nullopt}, {"roller", FaceCondition::roller}, {"fixed", FaceCondition::fixed}}),
+                    axes()),
+      "Condition on the plane, in place of that of the grid's face; \"off\": no plane on this axis");
+  section.required("distance", per_axis(&TrackPlane::distance), vector("m", not_negative()),
+                   "Distance from the bodies' extent, rounded outward to base cells");
+  section.required(
+      "advance", per_axis(&TrackPlane::advance),
+      fixed_list<3>(
+          choice<Advance>({{"positive", Advance::positive}, {"negative", Advance::negative}, {"both", Advance::both}}),
+          axes()),
+      "Ways the plane may move along its axis");
+  section.required("remove", per_axis(&TrackPlane::remove), fixed_list<3>(yes_no(), axes()),
+                   "Whether the soil left behind is deleted; only on a trailing plane");
+  section.check([trailing](const Planes& planes, const Place& place) { check_removal(planes, place, trailing); });
+  return section;
+}
+
+void check_region(const Adaptivity& adaptivity, const Place& place)
+{
+  if (adaptivity.region > 0. && adaptivity.element_size_in_region == 0.)
+    place.key("element size in region").fail("\"region\" is given without the cell size in it", "add it, in m");
+  if (adaptivity.element_size_in_region > 0. && adaptivity.region == 0.)
+    place.key("region").fail("\"element size in region\" is given without the extent of the region", "add it, in m");
+  if (adaptivity.region > 0. && adaptivity.element_size_in_region < adaptivity.element_size)
+    place.key("element size in region")
+        .fail("expected at least \"element size\", " + shown(adaptivity.element_size) + " m, found " +
+                  shown(adaptivity.element_size_in_region),
+              "refine the surface at least as much as the region around it");
+}
+} // namespace
+
+Section<BoundaryConditions> boundary_conditions_section()
+{
+  using P = BoundaryConditions;
+  const auto faces = fixed_list<3>(
+      choice<FaceCondition>(
+          {{"free", FaceCondition::free}, {"roller", FaceCondition::roller}, {"fixed", FaceCondition::fixed}}),
+      axes());
+  Section<P> section("Conditions on the faces of the grid");
+  section.required("min", &P::min, faces, "Faces at the lower end of each axis");
+  section.required("max", &P::max, faces,
+                   "Faces at the upper end of each axis; that of z lies at twice the soil's thickness, above the soil");
+  return section;
+}
+
+Section<Adaptivity> adaptivity_section()
+{
+  using P = Adaptivity;
+  const std::vector<std::string> surface = {"rigid body surface"};
+  Section<P> section("Refinement of the mesh");
+  section.required("type", &P::type,
+                   choice<AdaptivityType>({{"none", AdaptivityType::none},
+                                           {"uniform", AdaptivityType::uniform},
+                                           {surface[0], AdaptivityType::rigid_body_surface}}),
+                   "Base size where there is soil, base size everywhere, or finer where the bodies' surfaces are");
+  section.required("element size", &P::element_size, number("m", positive()), "Cell size at the surfaces")
+      .only_for("type", surface);
+  // Set by functions: the zeros in the struct mean "no region" and are no defaults to publish.
+  section
+      .optional(
+          "region", [](P& into, double read) { into.region = read; }, number("m", positive()),
+          "Distance from the surfaces up to which cells are refined too")
+      .only_for("type", surface);
+  section
+      .optional(
+          "element size in region", [](P& into, double read) { into.element_size_in_region = read; },
+          number("m", positive()), "Cell size in that region")
+      .only_for("type", surface);
+  section.optional("merge", &P::merge, on_off(), "Merge split material points again where the bodies have left");
+  section.check(check_region);
+  return section;
+}
+
+Section<BoundaryTrack> boundary_track_section()
+{
+  Section<BoundaryTrack> section("A window of active soil that follows the bodies");
+  section.required("min", &BoundaryTrack::min, object_of(planes_section("lower", Advance::positive)),
+                   "Planes on the lower side of the bodies");
+  section.required("max", &BoundaryTrack::max, object_of(planes_section("upper", Advance::negative)),
+                   "Planes on the upper side of the bodies");
+  return section;
+}
+} // namespace kedge

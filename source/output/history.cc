@@ -1,0 +1,138 @@
+#include "gather.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fmt/format.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/output/history.h>
+#include <kedge/output/text_file.h>
+#include <sstream>
+
+namespace kedge
+{
+namespace
+{
+void add_columns(const std::string& name, unsigned int n_components, std::string& line)
+{
+  for (const std::string& column : column_names(name, n_components))
+    line += "," + column;
+}
+
+std::string body_columns(const RigidSystems& bodies, const std::vector<BodyField>& fields)
+{
+  std::string line = "time";
+  for (std::size_t i = 0; i < bodies.points.size(); ++i)
+    for (const BodyField& field : fields)
+      add_columns(fmt::format("body{}_{}", i + 1, field.name), field.n_components, line);
+  for (std::size_t i = 0; i < bodies.tracked.size(); ++i)
+    add_columns(fmt::format("track{}", i + 1), 3, line);
+  return line + ",stage,step\n";
+}
+} // namespace
+
+ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::vector<ParticleField>& fields)
+{
+  ParticleTable table;
+  table.ids.reserve(particles.size());
+  table.values.resize(particles.size() * count_components(fields));
+  double* value = table.values.data();
+  for (const ParticleView& particle : particles)
+  {
+    table.ids.push_back(particle.id);
+    for (const ParticleField& field : fields)
+    {
+      field.evaluate(particle, value);
+      value += field.n_components;
+    }
+  }
+  return table;
+}
+
+ParticleTable gather_on_root(const ParticleTable& mine, unsigned int n_columns, MPI_Comm communicator)
+{
+  return {gather_rows_on_root(mine.ids, 1, communicator), gather_rows_on_root(mine.values, n_columns, communicator)};
+}
+
+void write_particle_csv(const ParticleTable& table, const std::vector<ParticleField>& fields, double time,
+                        const std::string& path)
+{
+  const std::size_t n_columns = count_components(fields);
+  std::vector<std::size_t> order(table.ids.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.ids[a] < table.ids[b]; });
+
+  std::string columns;
+  for (const ParticleField& field : fields)
+    add_columns(field.name, field.n_components, columns);
+  fmt::memory_buffer text;
+  const auto end = fmt::appender(text);
+  fmt::format_to(end, "time,{}\n{}\n", time, columns.substr(columns.empty() ? 0 : 1));
+  for (const std::size_t row : order)
+    for (std::size_t column = 0; column < n_columns; ++column)
+    {
+      // "{}" gives the shortest digits that read back as the same number
+      fmt::format_to(end, "{}", table.values[row * n_columns + column]);
+      text.push_back(column + 1 < n_columns ? ',' : '\n');
+    }
+  write_text_file(path, fmt::to_string(text));
+}
+
+BodyHistory::BodyHistory(std::string path_, std::vector<BodyField> fields_)
+    : path(std::move(path_)), fields(std::move(fields_))
+{
+}
+
+void BodyHistory::resume_after(unsigned int step)
+{
+  if (!std::filesystem::exists(path))
+    return;
+  std::istringstream lines(read_text_file(path));
+  std::string line, kept;
+  std::getline(lines, line);
+  kept = line + "\n";
+  while (std::getline(lines, line))
+  {
+    const std::string last = line.substr(line.rfind(',') + 1);
+    const bool is_step = !last.empty() && std::all_of(last.begin(), last.end(), [](char c) { return std::isdigit(c); });
+    // a row without its end was being written when the run stopped
+    if (!lines.eof() && is_step && std::stoul(last) <= step)
+      kept += line + "\n";
+  }
+  replace_text_file(path, kept);
+  file.open(path, std::ios::binary | std::ios::app);
+  if (!file)
+    throw FileError(path, "cannot be continued");
+}
+
+void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>& reactions, double time,
+                         unsigned int stage, unsigned int step)
+{
+  if (!file.is_open())
+  {
+    file.open(path, std::ios::binary | std::ios::trunc);
+    file << body_columns(bodies, fields);
+  }
+  fmt::memory_buffer row;
+  const auto end = fmt::appender(row);
+  fmt::format_to(end, "{}", time);
+  double value[3];
+  for (std::size_t i = 0; i < bodies.points.size(); ++i)
+    for (const BodyField& field : fields)
+    {
+      field.evaluate(bodies.points[i], reaction_on(reactions, i), value);
+      fmt::format_to(end, ",{}", fmt::join(value, value + field.n_components, ","));
+    }
+  for (const TrackedNode& node : bodies.tracked)
+  {
+    const Eigen::Vector3d x = bodies.points[node.point].pose.to_world(node.position);
+    fmt::format_to(end, ",{},{},{}", x[0], x[1], x[2]);
+  }
+  fmt::format_to(end, ",{},{}\n", stage, step);
+  file.write(row.data(), static_cast<std::streamsize>(row.size()));
+  // a row must survive whatever happens to the run
+  file.flush();
+  if (!file)
+    throw FileError(path, "could not be written");
+}
+} // namespace kedge

@@ -1,0 +1,197 @@
+#include "gather.h"
+
+#include <filesystem>
+#include <fmt/format.h>
+#include <functional>
+#include <kedge/base/exceptions.h>
+#include <kedge/output/snapshots.h>
+
+namespace kedge
+{
+namespace
+{
+/// Runs what may fail on one rank alone and lets all ranks fail together.
+void fail_together(const std::string& folder, MPI_Comm communicator, const std::function<void()>& action)
+{
+  std::optional<FileError> problem;
+  try
+  {
+    action();
+  }
+  catch (const FileError& error)
+  {
+    problem = error;
+  }
+  const bool anywhere = max_over_ranks(problem ? 1. : 0., communicator) > 0.;
+  if (problem)
+    throw *problem;
+  if (anywhere)
+    throw FileError(folder, "another rank could not write its files");
+}
+
+void create_folder(const std::string& folder)
+{
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw FileError(folder, "cannot be created: " + error.message());
+}
+
+template <typename Touch>
+std::vector<ContactForce> gather_contact(const std::vector<Touch>& touches, MPI_Comm communicator)
+{
+  std::vector<ContactForce> mine(touches.size());
+  for (std::size_t i = 0; i < touches.size(); ++i)
+  {
+    std::copy_n(touches[i].position.data(), 3, mine[i].position);
+    std::copy_n(touches[i].force.data(), 3, mine[i].force);
+    mine[i].surface = touches[i].surface;
+  }
+  return gather_rows_on_root(mine, 1, communicator);
+}
+
+std::string file_name(const std::string& series, unsigned int step, const std::string& ending)
+{
+  return fmt::format("{}_{:05}{}", series, step, ending);
+}
+} // namespace
+
+template <int dim>
+OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::string& run_directory,
+                                unsigned int n_layers_, MPI_Comm communicator_)
+    : parameters(parameters_),
+      n_layers(n_layers_),
+      communicator(communicator_),
+      vtk_folder((std::filesystem::path(run_directory) / parameters.vtk.directory).string()),
+      csv_folder((std::filesystem::path(run_directory) / parameters.csv.directory).string()),
+      vtk_schedule(parameters.vtk.percent),
+      csv_schedule(parameters.csv.percent),
+      vtk_particle_fields(select_particle_fields<dim>(parameters.vtk.particle_fields)),
+      csv_particle_fields(select_particle_fields<dim>(parameters.csv.particle_fields)),
+      vtk_body_fields(select_body_fields(parameters.vtk.body_fields)),
+      history((std::filesystem::path(csv_folder) / "rigid_body.csv").string(),
+              select_body_fields(parameters.csv.body_fields))
+{
+  fail_together(run_directory, communicator,
+                [&]
+                {
+                  if (rank_of(communicator) != 0)
+                    return;
+                  if (parameters.vtk.on)
+                    create_folder(vtk_folder);
+                  if (parameters.csv.on)
+                    create_folder(csv_folder);
+                });
+}
+
+template <int dim> void OutputWriter<dim>::resume_after(unsigned int step)
+{
+  resumed = step;
+  fail_together(csv_folder, communicator,
+                [&]
+                {
+                  if (parameters.csv.on && rank_of(communicator) == 0)
+                    history.resume_after(step);
+                });
+}
+
+template <int dim> void OutputWriter<dim>::begin_stage(unsigned int n_steps)
+{
+  vtk_schedule.begin_stage(n_steps);
+  csv_schedule.begin_stage(n_steps);
+}
+
+template <int dim>
+void OutputWriter<dim>::write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage,
+                                     bool last_of_stage)
+{
+  const bool vtk = parameters.vtk.on && vtk_schedule.due(converged_steps_in_stage, last_of_stage);
+  const bool csv = parameters.csv.on && csv_schedule.due(converged_steps_in_stage, last_of_stage);
+  if (!vtk && !csv)
+    return;
+  const Layers layers = particles_by_layer(state.particles, n_layers);
+
+  if (vtk)
+  {
+    const std::vector<ContactForce> contact = gather_contact(state.touches, communicator);
+    fail_together(vtk_folder, communicator, [&] { write_snapshot(state, layers, contact); });
+  }
+  if (csv && !csv_particle_fields.empty())
+    for (unsigned int layer = 0; layer < n_layers; ++layer)
+    {
+      // one layer at a time, because rank 0 holds all of it
+      const ParticleTable table = gather_on_root(tabulate(layers[layer], csv_particle_fields),
+                                                 count_components(csv_particle_fields), communicator);
+      const std::string name = file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
+      fail_together(csv_folder, communicator,
+                    [&]
+                    {
+                      if (rank_of(communicator) == 0)
+                        write_particle_csv(table, csv_particle_fields, state.time, csv_folder + "/" + name);
+                    });
+    }
+  const bool any_column = !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty();
+  if (csv && any_column && !state.bodies.empty())
+    fail_together(csv_folder, communicator,
+                  [&]
+                  {
+                    if (rank_of(communicator) == 0)
+                      history.append(state.bodies, state.reactions, state.time, state.stage, state.step);
+                  });
+}
+
+template <int dim>
+void OutputWriter<dim>::write_snapshot(const OutputState<dim>& state, const Layers& layers,
+                                       const std::vector<ContactForce>& contact)
+{
+  for (unsigned int layer = 0; layer < n_layers; ++layer)
+    write_piece(fmt::format("mps_{}", layer + 1), particle_boxes<dim>(layers[layer], vtk_particle_fields), state);
+  write_piece("mesh", soil_cells(state.mesh, state.particles), state);
+  if (rank_of(communicator) != 0)
+    return;
+  if (!state.bodies.empty())
+    write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
+  if (!state.bodies.surfaces.empty())
+    write_on_root("surface", body_surfaces<dim>(state.bodies, contact), state);
+  if (!state.bodies.tracked.empty())
+    write_on_root("tracked", tracked_nodes(state.bodies), state);
+}
+
+template <int dim>
+void OutputWriter<dim>::write_piece(const std::string& series, const UnstructuredGrid& grid,
+                                    const OutputState<dim>& state)
+{
+  const int n_ranks = size_of(communicator), rank = rank_of(communicator);
+  if (n_ranks == 1)
+    return write_on_root(series, grid, state);
+  std::vector<std::string> pieces;
+  for (int r = 0; r < n_ranks; ++r)
+    pieces.push_back(file_name(series, state.step, fmt::format("_{}.vtu", r)));
+  write_vtu(grid, vtk_folder + "/" + pieces[rank], state.total_time);
+  if (rank != 0)
+    return;
+  const std::string joined = file_name(series, state.step, ".pvtu");
+  write_pvtu(grid, pieces, vtk_folder + "/" + joined);
+  list(series, joined, state.total_time);
+}
+
+template <int dim>
+void OutputWriter<dim>::write_on_root(const std::string& series, const UnstructuredGrid& grid,
+                                      const OutputState<dim>& state)
+{
+  const std::string file = file_name(series, state.step, ".vtu");
+  write_vtu(grid, vtk_folder + "/" + file, state.total_time);
+  list(series, file, state.total_time);
+}
+
+template <int dim> void OutputWriter<dim>::list(const std::string& series, const std::string& file, double time)
+{
+  const auto [entry, is_new] = series_lists.try_emplace(series, vtk_folder + "/" + series + ".pvd");
+  if (is_new && resumed)
+    entry->second.resume_after(*resumed);
+  entry->second.add(time, file);
+}
+
+template class OutputWriter<2>;
+template class OutputWriter<3>;
+} // namespace kedge

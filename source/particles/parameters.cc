@@ -1,0 +1,54 @@
+#include <kedge/parameters/section.h>
+#include <kedge/particles/parameters.h>
+
+namespace kedge
+{
+using namespace schema;
+
+namespace
+{
+using P = MaterialPointParameters;
+
+Section<Layer> layer_section()
+{
+  Section<Layer> section("A soil layer as wide as the block");
+  section.required("thickness", &Layer::thickness, number("m", positive()), "Thickness; interfaces stay exact");
+  section.required("material", &Layer::material, object_of(material_section()), "What the layer is made of");
+  return section;
+}
+
+Section<P> material_size_section()
+{
+  Section<P> section("Plan extent of the block");
+  section.required("max", &P::plan_extent, fixed_list<2>(number("m", positive()), Layout{2, 1, "[x, y]", "[x]"}),
+                   "Far corner of the block in plan, rounded up to whole base cells");
+  section.ignored("min", "Not read: the block starts at 0");
+  return section;
+}
+
+Section<P> initial_stress_section()
+{
+  Section<P> section("Stress before the first stage: sigma_v = weight above, sigma_h = K0 sigma_v");
+  section.required(
+      "type", [](P&, const std::string&) {}, word({"K0"}), "Way in which the stress is set");
+  section.required("K0", &P::K0, maybe(number("-", not_negative())), "Horizontal over vertical stress");
+  return section;
+}
+} // namespace
+
+Section<MaterialPointParameters> material_points_section()
+{
+  Section<P> section("The soil block and its material points");
+  section.required("extra capacity", &P::extra_capacity, number("-", Bounds().at_least(1.)),
+                   "Storage to reserve over the first number of material points; a hint");
+  section.required("element size", &P::element_size, number("m", positive()),
+                   "Base cell size, rounded down to the smallest size in the file times a power of two");
+  section.required("number of material points per element 1", &P::points_per_axis, count(Bounds().at_least(1)),
+                   "Material points per cell along each axis");
+  section.group("material size", Key::Presence::required, material_size_section(), "Plan extent of the block");
+  section.required("layers", &P::layers, list_of(object_of(layer_section()), 1), "Soil layers from the surface down");
+  section.group("initial stress", Key::Presence::optional, initial_stress_section(),
+                "Stress before the first stage; without it the soil starts free of stress");
+  return section;
+}
+} // namespace kedge

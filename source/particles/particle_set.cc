@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <cmath>
+#include <kedge/base/communication.h>
+#include <kedge/materials/hencky.h>
+#include <kedge/particles/particle_set.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+template <int dim>
+std::array<double, dim> to_array(const dealii::Point<dim>& point)
+{
+  std::array<double, dim> x;
+  for (unsigned int d = 0; d < dim; ++d)
+    x[d] = point[d];
+  return x;
+}
+
+ParticleArrays allocate_arrays(const std::size_t n)
+{
+  using Kokkos::view_alloc;
+  using Kokkos::WithoutInitializing;
+  ParticleArrays arrays;
+  arrays.n = n;
+  arrays.elastic_left_cauchy_green =
+    decltype(arrays.elastic_left_cauchy_green)(view_alloc("left Cauchy-Green", WithoutInitializing), n);
+  arrays.young = View<double*>(view_alloc("young", WithoutInitializing), n);
+  arrays.initial_volume = View<double*>(view_alloc("volume", WithoutInitializing), n);
+  arrays.mass = View<double*>(view_alloc("mass", WithoutInitializing), n);
+  arrays.layer = View<unsigned int*>(view_alloc("layer", WithoutInitializing), n);
+  arrays.trial_strain = decltype(arrays.trial_strain)(view_alloc("trial strain", WithoutInitializing), n);
+  arrays.trial_stress = decltype(arrays.trial_stress)(view_alloc("trial stress", WithoutInitializing), n);
+  arrays.trial_plastic = View<double*>(view_alloc("trial plastic", WithoutInitializing), n);
+  return arrays;
+}
+} // namespace
+
+template <int dim>
+ParticleSet<dim>::ParticleSet(BackgroundMesh<dim>& mesh_)
+  : mesh(mesh_),
+    particles(mesh_.triangulation(), mesh_.mapping(), field::count)
+{
+  particles.signals.particle_lost.connect([this](const auto&, const auto&) { ++lost_here; });
+}
+
+template <int dim>
+void ParticleSet<dim>::load()
+{
+  const std::size_t n = particles.n_locally_owned_particles();
+  if (n != mirror.n || mirror.young.extent(0) != n)
+    mirror = allocate_arrays(n);
+  centre.resize(n);
+  half_width.resize(n);
+  leaf.resize(n);
+  id.resize(n);
+
+  auto b = Kokkos::create_mirror_view(mirror.elastic_left_cauchy_green);
+  auto young = Kokkos::create_mirror_view(mirror.young);
+  auto volume = Kokkos::create_mirror_view(mirror.initial_volume);
+  auto mass = Kokkos::create_mirror_view(mirror.mass);
+  auto layer = Kokkos::create_mirror_view(mirror.layer);
+  auto strain = Kokkos::create_mirror_view(mirror.trial_strain);
+  auto stress = Kokkos::create_mirror_view(mirror.trial_stress);
+
+  std::size_t p = 0;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (const auto& particle : particles.particles_in_cell(cell))
+        {
+          const double* data = particle.get_properties().data();
+          centre[p] = to_array<dim>(particle.get_location());
+          std::copy_n(data + field::half_width, dim, half_width[p].begin());
+          leaf[p] = mesh.leaf_number(cell);
+          id[p] = particle.get_id();
+          const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
+          for (unsigned int i = 0; i < 6; ++i)
+            {
+              b(p, i) = b_e[i];
+              strain(p, i) = data[field::elastic_strain + i];
+              stress(p, i) = data[field::stress + i];
+            }
+          young(p) = data[field::young];
+          volume(p) = data[field::initial_volume];
+          mass(p) = data[field::mass];
+          layer(p) = static_cast<unsigned int>(data[field::layer]);
+          ++p;
+        }
+
+  Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
+  Kokkos::deep_copy(mirror.young, young);
+  Kokkos::deep_copy(mirror.initial_volume, volume);
+  Kokkos::deep_copy(mirror.mass, mass);
+  Kokkos::deep_copy(mirror.layer, layer);
+  Kokkos::deep_copy(mirror.trial_strain, strain);
+  Kokkos::deep_copy(mirror.trial_stress, stress);
+  Kokkos::deep_copy(mirror.trial_plastic, 0.);
+}
+
+template <int dim>
+void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
+{
+  for (auto& particle : particles)
+    {
+      const auto gap = gaps.find(particle.get_id());
+      particle.get_properties()[field::contact_gap] =
+        gap == gaps.end() ? std::numeric_limits<double>::quiet_NaN() : gap->second;
+    }
+}
+
+template <int dim>
+void ParticleSet<dim>::commit(const ParticleIncrements& increments, const DomainUpdate domain_update)
+{
+  const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
+  const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
+  const auto strain = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_strain);
+  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_stress);
+  const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_plastic);
+
+  std::size_t p = 0;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (auto& particle : particles.particles_in_cell(cell))
+        {
+          double* data = particle.get_properties().data();
+          dealii::Point<dim> position = particle.get_location();
+          for (unsigned int d = 0; d < dim; ++d)
+            position[d] += displacement(p, d);
+          particle.set_location(position);
+
+          double* F = data + field::deformation_gradient;
+          double updated[9] = {};
+          for (unsigned int i = 0; i < 3; ++i)
+            for (unsigned int j = 0; j < 3; ++j)
+              for (unsigned int k = 0; k < 3; ++k)
+                updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
+          std::copy_n(updated, 9, F);
+          if (domain_update == DomainUpdate::stretch)
+            for (unsigned int d = 0; d < dim; ++d)
+              data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
+
+          for (unsigned int i = 0; i < 6; ++i)
+            {
+              data[field::elastic_strain + i] = strain(p, i);
+              data[field::stress + i] = stress(p, i);
+            }
+          data[field::plastic_strain] += plastic(p);
+          ++p;
+        }
+  particles.sort_particles_into_subdomains_and_cells();
+}
+
+template <int dim>
+void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh_, const double cost)
+{
+  mesh_.set_cell_weight([this, cost](const typename BackgroundMesh<dim>::Cell& cell) {
+    return 1. + (cell->is_locally_owned() ? cost * particles.n_particles_in_cell(cell) : 0.);
+  });
+  particles.prepare_for_coarsening_and_refinement();
+  mesh_.repartition();
+  particles.unpack_after_coarsening_and_refinement();
+  mesh_.update();
+}
+
+template <int dim>
+long long ParticleSet<dim>::remove_if(const std::function<bool(const dealii::Point<dim>&)>& condition)
+{
+  std::vector<typename Handler::particle_iterator> doomed;
+  for (auto particle = particles.begin(); particle != particles.end(); ++particle)
+    if (condition(particle->get_location()))
+      doomed.push_back(particle);
+  const long long removed = doomed.size();
+  particles.remove_particles(doomed);
+  return sum_over_ranks(removed, mesh.triangulation().get_communicator());
+}
+
+template <int dim>
+long long ParticleSet<dim>::n_lost() const
+{
+  return sum_over_ranks(lost_here, mesh.triangulation().get_communicator());
+}
+
+template class ParticleSet<2>;
+template class ParticleSet<3>;
+} // namespace kedge

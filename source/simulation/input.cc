@@ -1,0 +1,145 @@
+#include "input_rules.h"
+#include <filesystem>
+#include <fstream>
+#include <kedge/base/exceptions.h>
+#include <kedge/parameters/manual.h>
+#include <kedge/parameters/section.h>
+#include <kedge/simulation/input.h>
+#include <sstream>
+
+namespace kedge
+{
+using namespace schema;
+
+namespace
+{
+Section<Stage> stage_section()
+{
+  const std::vector<std::string> off = {"off"};
+  const std::string bodies = "rigid bodies";
+  Section<Stage> section("A stage of the run; the state carries over from the stage before");
+  section.include(stepping_section(), &Stage::stepping);
+  section.required(bodies, &Stage::rigid_bodies, on_off(), "\"off\": the bodies are frozen and touch nothing");
+  section.optional("boundary conditions", &Stage::boundary_conditions, object_of(boundary_conditions_section()),
+                   "Conditions on the faces of the grid; without it all are free");
+  section.optional("adaptivity", &Stage::adaptivity, object_of(adaptivity_section()),
+                   "Refinement of the mesh; without it, or around frozen bodies, the base size where there is soil");
+  section
+      .optional("rigid body surface placement", &Stage::surface_placement, on_off(),
+                "Move all bodies vertically by one amount, so that the lowest surface point rests on the soil")
+      .unused_for(bodies, off);
+  section
+      .optional("wished in place", &Stage::wished_in_place, on_off(),
+                "The bodies are buried from the start of the stage; the soil inside them is left out")
+      .unused_for(bodies, off);
+  section
+      .optional("rigid body boundary conditions", &Stage::point_conditions,
+                list_of(object_of(point_conditions_section())), "Conditions of points in this stage alone")
+      .unused_for(bodies, off);
+  section
+      .optional("boundary track", &Stage::track, object_of(boundary_track_section()),
+                "Window of active soil that follows the bodies; without it all soil is active")
+      .unused_for(bodies, off);
+  return section;
+}
+
+Section<Input> domain_section()
+{
+  Section<Input> section("The grid and gravity");
+  section.required("size", &Input::domain_size, number("m", positive()),
+                   "Lower bound of the grid's side; the grid always holds the soil and as much empty space above it");
+  section.required("gravity", &Input::gravity, vector("m/s2"), "Acceleration of gravity, not zero");
+  return section;
+}
+
+Section<Input> input_section()
+{
+  Section<Input> section("Input of Kedge: SI units, degrees, tension positive, z up. Systems and points are numbered "
+                         "from 1, paths are relative to the input file");
+  section.required("GPU", &Input::gpu, on_off(),
+                   "Run on the device back end; a build without one warns and uses the CPU");
+  section.optional("dimension", &Input::dimension, count(Bounds().at_least(2).at_most(3)),
+                   "3, or 2 for plane strain, where vectors are [x, z]");
+  section.optional("basis", &Input::basis, choice<Basis>({{"gimp", Basis::gimp}, {"mpm", Basis::mpm}}),
+                   "Generalised interpolation, or the standard material point method with its cell-crossing errors");
+  section.optional(
+      "domain update", [](Input& input) -> DomainUpdate& { return input.material_points.domain_update; },
+      choice<DomainUpdate>({{"none", DomainUpdate::none}, {"stretch", DomainUpdate::stretch}}),
+      "Material point domains keep their size, or stretch with the deformation along their axes");
+  section.group("domain", Key::Presence::required, domain_section(), "The grid and gravity");
+  section.required(
+      "material points",
+      [](Input& input, const MaterialPointParameters& read)
+      {
+        const DomainUpdate kept = input.material_points.domain_update; // its key stands outside this section
+        input.material_points = read;
+        input.material_points.domain_update = kept;
+      },
+      object_of(material_points_section()), "The soil block and its material points");
+  section.required("rigid bodies", &Input::systems, list_of(object_of(system_section())),
+                   "Systems of rigid bodies; [] = none");
+  section.required("contact", &Input::contact, object_of(contact_section()), "Contact between soil and bodies");
+  section.required("analysis", &Input::stages, list_of(object_of(stage_section()), 1), "The stages, in order");
+  section.required("solver", &Input::solver, object_of(solver_section()), "Newton iterations and linear solver");
+  section.required("output", &Input::output, object_of(output_section()), "Files written during the run");
+  section.check(check_consistency);
+  return section;
+}
+
+/// Needed before the document is checked, as it sets the length of vectors; a wrong value is refused with the rest.
+unsigned int dimension_of(const Json& document)
+{
+  return document.is_object() && document.contains("dimension") && document.at("dimension") == 2 ? 2 : 3;
+}
+} // namespace
+
+Input parse_input(const std::string& text, const std::string& folder, const std::string& source,
+                  const std::vector<std::string>& overrides)
+{
+  Json document = parse_json(text, source);
+  for (const std::string& assignment : overrides)
+    apply_override(document, assignment);
+
+  const Section<Input> section = input_section();
+  InputContext context;
+  context.dimension = dimension_of(document);
+  context.folder = folder;
+  context.sections_with_key = [&](const std::string& key) { return sections_with_key(section.schema(), key); };
+
+  Input input;
+  section.read(document, input, Place(context));
+  for (Stage& stage : input.stages) // frozen bodies are not refined around
+    if (!stage.rigid_bodies && stage.adaptivity.type == AdaptivityType::rigid_body_surface)
+      stage.adaptivity.type = AdaptivityType::none;
+  input.effective_json = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return input;
+}
+
+Input read_input(const std::string& file, const std::vector<std::string>& overrides)
+{
+  std::error_code ignored;
+  std::ifstream stream(file);
+  std::ostringstream text;
+  if (std::filesystem::is_directory(file, ignored) || !stream || !(text << stream.rdbuf()))
+    throw InputError(file, "the input file cannot be read", "check its path, its permissions and that it is not empty");
+  return parse_input(text.str(), std::filesystem::path(file).parent_path().string(), file, overrides);
+}
+
+std::string input_schema()
+{
+  Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Kedge input"}};
+  const Json section = input_section().schema();
+  for (const auto& [name, value] : section.items())
+    schema[name] = value;
+  return schema.dump(2) + "\n";
+}
+
+std::string input_manual()
+{
+  return "# Input parameters\n\n"
+         "Generated from the declarations in the code; do not edit. An unknown key, a wrong type or a value out of\n"
+         "bounds is an error; a key named `comment` may stand in every object. `x[]` stands for an entry of the list\n"
+         "`x`. In 2-D, vectors are [x, z].\n" +
+         markdown_tables(input_section().schema());
+}
+} // namespace kedge

@@ -1,0 +1,136 @@
+#include "input_rules.h"
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace kedge
+{
+using schema::Place;
+using schema::shown;
+
+namespace
+{
+bool has_surface(const Input& input)
+{
+  return std::any_of(input.systems.begin(), input.systems.end(),
+                     [](const SystemParameters& system) { return !system.surfaces.empty(); });
+}
+
+bool has_plane(const std::array<TrackPlane, 3>& planes)
+{
+  return std::any_of(planes.begin(), planes.end(), [](const TrackPlane& plane) { return plane.type.has_value(); });
+}
+
+/// Spacing of the material points after the base cell was rounded down to the smallest size times a power of two.
+double point_spacing(const Input& input)
+{
+  double base = input.material_points.element_size, smallest = base;
+  for (const Stage& stage : input.stages)
+    for (const double size : {stage.adaptivity.element_size, stage.adaptivity.element_size_in_region})
+      if (size > 0.)
+        smallest = std::min(smallest, size);
+  base = smallest * std::exp2(std::floor(std::log2(base / smallest) + 1e-9));
+  return base / input.material_points.points_per_axis;
+}
+
+void check_soil(const Input& input, const Place& root)
+{
+  if (input.gravity == std::array<double, 3>{})
+    root.key("domain").key("gravity").fail("gravity is zero, but convergence is measured by the soil's weight",
+                                           "give it a direction, for example [0, 0, -9.81]");
+  const double spacing = point_spacing(input);
+  const Place layers = root.key("material points").key("layers");
+  for (std::size_t i = 0; i < input.material_points.layers.size(); ++i)
+    if (const double thickness = input.material_points.layers[i].thickness; thickness < spacing * (1. - 1e-9))
+      layers.entry(i)
+          .key("thickness")
+          .fail("the layer, " + shown(thickness) +
+                    " m, is thinner than the spacing of the "
+                    "material points, " +
+                    shown(spacing) + " m",
+                "thicken it or reduce \"element size\"");
+  const SteppingParameters& first = input.stages.front().stepping;
+  if (input.material_points.K0 && first.type == StageType::static_ && first.load == GravityLoad::ramp)
+    root.key("analysis")
+        .entry(0)
+        .key("load")
+        .fail("\"gravity ramp\" starts without weight, but \"initial stress\" already balances the full weight",
+              "set it to \"full\" or remove \"initial stress\"");
+}
+
+void check_sizes(const Stage& stage, const Input& input, const Place& place)
+{
+  const double base = input.material_points.element_size;
+  const Place adaptivity = place.key("adaptivity");
+  for (const auto& [name, size] : {std::make_pair("element size", stage.adaptivity.element_size),
+                                   std::make_pair("element size in region", stage.adaptivity.element_size_in_region)})
+    if (size > base)
+      adaptivity.key(name).fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
+                                "refinement cannot coarsen: lower it");
+}
+
+/// Surfaces are what is placed, followed by the window and refined around.
+void check_surfaces(const Stage& stage, const Place& place)
+{
+  const std::string problem = "there is no surface: no system has \"stl files\" (2-D: \"outline\")";
+  if (stage.surface_placement)
+    place.key("rigid body surface placement").fail(problem, "set it to \"off\" or add a surface");
+  if (stage.wished_in_place)
+    place.key("wished in place").fail(problem, "set it to \"off\" or add a surface");
+  if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
+    place.key("adaptivity").key("type").fail(problem, "set it to \"none\" or \"uniform\", or add a surface");
+  for (const auto& [side, planes] : {std::make_pair("min", stage.track.min), std::make_pair("max", stage.track.max)})
+    if (has_plane(planes))
+      place.key("boundary track").key(side).key("type").fail(problem, "set every axis to \"off\" or add a surface");
+}
+
+void check_point_conditions(const Stage& stage, const Input& input, const Place& list)
+{
+  std::set<std::pair<unsigned int, unsigned int>> seen;
+  for (std::size_t i = 0; i < stage.point_conditions.size(); ++i)
+  {
+    const PointConditionsOverride& entry = stage.point_conditions[i];
+    const auto require = [&](const std::string& what, unsigned int number, std::size_t available)
+    {
+      if (number > available)
+        list.entry(i).key(what).fail("there is no " + what + " " + std::to_string(number),
+                                     available == 0 ? "add it to the top-level \"rigid bodies\""
+                                                    : "they count from 1, so use 1 to " + std::to_string(available));
+    };
+    require("system", entry.system, input.systems.size());
+    require("point", entry.point, input.systems[entry.system - 1].points.size());
+    if (!seen.insert({entry.system, entry.point}).second)
+      list.entry(i).fail("the conditions of this point are given twice in the stage", "keep one of the two");
+  }
+}
+} // namespace
+
+void check_consistency(const Input& input, const Place& root)
+{
+  check_soil(input, root);
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+  {
+    const Stage& stage = input.stages[i];
+    const Place place = root.key("analysis").entry(i);
+    check_sizes(stage, input, place);
+    if (!stage.rigid_bodies)
+      continue;
+    if (!has_surface(input))
+      check_surfaces(stage, place);
+    if (stage.surface_placement && stage.wished_in_place)
+      place.key("wished in place")
+          .fail("a body cannot be buried from the start and be placed on the surface",
+                "switch off one of \"wished in place\" and \"rigid body surface placement\"");
+    check_point_conditions(stage, input, place.key("rigid body boundary conditions"));
+  }
+}
+
+const std::array<DofCondition, 6>& conditions_in(const Stage& stage, const Input& input, std::size_t system,
+                                                 std::size_t point)
+{
+  for (const PointConditionsOverride& entry : stage.point_conditions)
+    if (entry.system == system + 1 && entry.point == point + 1)
+      return entry.conditions;
+  return input.systems[system].points[point].conditions;
+}
+} // namespace kedge

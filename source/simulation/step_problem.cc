@@ -1,0 +1,184 @@
+#include <cmath>
+#include <kedge/base/communication.h>
+#include <kedge/simulation/step_problem.h>
+
+namespace kedge
+{
+namespace
+{
+template <typename T>
+std::vector<T> to_vector(const View<T*>& view)
+{
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+  return std::vector<T>(host.data(), host.data() + host.extent(0));
+}
+} // namespace
+
+template <int dim>
+StepProblem<dim>::StepProblem(const Input& input_,
+                              const Stage& stage_,
+                              const BackgroundMesh<dim>& mesh_,
+                              ParticleSet<dim>& particles_,
+                              const Materials& materials_,
+                              const RigidSystems& bodies_,
+                              Contact<dim>& contact_,
+                              Timings& timings_)
+  : input(input_),
+    stage(stage_),
+    mesh(mesh_),
+    particles(particles_),
+    materials(materials_),
+    bodies(bodies_),
+    contact(contact_),
+    timings(timings_),
+    linear_solver(input_.solver, dim)
+{
+  number_nodes();
+  if (stage.rigid_bodies)
+    find_contact_pairs();
+
+  const auto scope = timings.measure("sparsity");
+  const std::vector<unsigned char> constrained = find_constrained_dofs();
+  std::vector<NodeLists> couplings{{stencils.pattern_node_begin, stencils.pattern_nodes}};
+  if (ghost_faces.n_faces() > 0)
+    couplings.push_back(ghost_faces.lists);
+  system = std::make_unique<System>(
+    dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
+
+  std::vector<double> position;
+  for (unsigned int v = 0; v < nodes.n_owned; ++v)
+    for (const double x : mesh.leaves().node_position[nodes.mesh_node[v]])
+      position.push_back(x);
+  linear_solver.set_structure(system->matrix(),
+                              make_rigid_body_modes(system->graph().row_map, dim, position, constrained));
+
+  increment = Teuchos::rcp(new TpetraVector(system->graph().row_map));
+  full_weight = system->make_nodal_vector();
+  add_weight<dim>(particles.arrays(), stencils, input.gravity, 1., full_weight);
+  TpetraVector weight(system->graph().row_map);
+  system->collect(full_weight, weight);
+  weight_norm = weight.norm2();
+}
+
+template <int dim>
+void StepProblem<dim>::number_nodes()
+{
+  const auto scope = timings.measure("basis");
+  HostStencils host = build_stencils<dim>(
+    mesh.leaves(), particles.positions(), particles.half_widths(), particles.leaves(), input.basis == Basis::mpm);
+  std::vector<unsigned char> used(mesh.leaves().node_ids.size(), 0);
+  for (const unsigned int node : host.pattern_nodes)
+    used[node] = 1;
+  nodes = number_active_nodes<dim>(mesh.leaves(), used, mesh.triangulation().get_communicator());
+  stencils = upload_stencils<dim>(std::move(host), nodes.number);
+}
+
+template <int dim>
+std::vector<unsigned char> StepProblem<dim>::find_constrained_dofs() const
+{
+  const LeafTable<dim>& table = mesh.leaves();
+  std::vector<unsigned char> constrained(static_cast<std::size_t>(dim) * nodes.n_local(), 0);
+  for (unsigned int v = 0; v < nodes.n_local(); ++v)
+    for (unsigned int axis = 0; axis < dim; ++axis)
+      for (const bool upper : {false, true})
+        {
+          const double face = upper ? table.base_size * table.base_cells[axis] : 0.;
+          if (std::abs(table.node_position[nodes.mesh_node[v]][axis] - face) > 1e-9 * table.base_size)
+            continue;
+          const FaceCondition condition =
+            upper ? stage.boundary_conditions.max[axis] : stage.boundary_conditions.min[axis];
+          for (unsigned int d = 0; d < dim; ++d)
+            if (condition == FaceCondition::fixed || (condition == FaceCondition::roller && d == axis))
+              constrained[dim * v + d] = 1;
+        }
+  return constrained;
+}
+
+template <int dim>
+void StepProblem<dim>::find_contact_pairs()
+{
+  const auto scope = timings.measure("contact search");
+  double reach = 0.;
+  const auto box = world_bounds(bodies);
+  for (const RigidPoint& point : bodies.points)
+    {
+      const Vector6 step = point.prescribed_increment(1.);
+      const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
+      reach = std::max(reach, step.head<3>().norm() + step.tail<3>().norm() * lever);
+    }
+  const std::vector<double> volume = to_vector(particles.arrays().initial_volume);
+  const std::vector<double> young = to_vector(particles.arrays().young);
+  contact.find_pairs(bodies,
+                     mesh.leaves(),
+                     {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
+                     nodes.number,
+                     reach);
+}
+
+template <int dim>
+NewtonReport StepProblem<dim>::solve(const Load& load_)
+{
+  load = load_;
+  increment->putScalar(0.);
+  NewtonProblem problem;
+  problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
+  problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance) {
+    return solve_linearised(x, r, dx, tolerance);
+  };
+  return solve_newton(problem, *increment, input.solver);
+}
+
+template <int dim>
+double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
+{
+  const auto scope = timings.measure("residual");
+  local_increment = system->spread(x);
+  const NodalVector force = system->make_nodal_vector();
+  const unsigned long inverted =
+    update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force);
+  const double factor = load.gravity_factor;
+  const NodalVector weight = full_weight;
+  Kokkos::parallel_for(
+    "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+      force(i) -= factor * weight(i);
+    });
+  if (stage.rigid_bodies)
+    {
+      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
+      add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
+    }
+  add_ghost_force<dim>(ghost_faces, local_increment, force);
+  system->collect(force, r);
+  system->zero_constrained(r);
+  if (sum_over_ranks(static_cast<long long>(inverted), nodes.communicator) > 0)
+    return INFINITY;
+  return r.norm2() / weight_norm;
+}
+
+template <int dim>
+LinearReport
+StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx, const double tolerance)
+{
+  // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
+  {
+    const auto scope = timings.measure("tangent");
+    system->clear_matrix();
+    add_tangent<dim>(particles.arrays(), stencils, materials, local_increment, system->graph(), system->values());
+    if (stage.rigid_bodies)
+      add_point_tangents(contact.points_of_last_evaluation(), -1., system->graph(), system->values());
+    add_ghost_tangent<dim>(ghost_faces, system->graph(), system->values());
+    system->finish_matrix();
+  }
+  const auto scope = timings.measure("linear solver");
+  return linear_solver.solve(r, dx, tolerance);
+}
+
+template <int dim>
+ParticleIncrements StepProblem<dim>::particle_increments() const
+{
+  return interpolate_increments<dim>(stencils, local_increment);
+}
+
+template class StepProblem<2>;
+template class StepProblem<3>;
+} // namespace kedge

@@ -1,0 +1,36 @@
+#include <kedge/parameters/section.h>
+#include <kedge/solvers/parameters.h>
+
+namespace kedge
+{
+using namespace schema;
+
+Section<SolverParameters> solver_section()
+{
+  using P = SolverParameters;
+  Section<P> section("Newton iterations, linear solver and ghost stabilisation");
+  section.required("tolerance", &P::tolerance, number("-", positive().below(1.)),
+                   "Norm of the residual on the free degrees of freedom, over the weight of the soil (rigid degrees of "
+                   "freedom: of the bodies), at which a step has converged");
+  section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
+                   "Newton iterations before a step is cut to half");
+  section.optional("max linear iterations", &P::max_linear_iterations, count(Bounds().at_least(1)),
+                   "Krylov iterations per Newton iteration before the linear solver escalates");
+  section.required("poor factor", &P::poor_factor, number("-", not_negative().at_most(1.)),
+                   "Cells filled below this share of their volume count as boundary cells; 0: none does");
+  section.required("ghost factor", &P::ghost_factor, number("-", not_negative()),
+                   "Scale of the ghost stabilisation of the stiffness; 0: none");
+  section.required("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
+                   "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");
+  section.optional("line search", &P::line_search, on_off(), "Armijo line search along each Newton correction");
+  section.optional("linear solver", &P::linear_solver,
+                   choice<LinearSolverChoice>({{"auto", LinearSolverChoice::automatic},
+                                               {"iterative", LinearSolverChoice::iterative},
+                                               {"direct", LinearSolverChoice::direct}}),
+                   "Multigrid-preconditioned GMRES, a factorisation, or whichever suits the size");
+  section.optional("reuse", &P::reuse, on_off(), "Keep the preconditioner from step to step while it still converges");
+  section.optional("minimum step fraction", &P::minimum_step_fraction, number("-", positive().at_most(1.)),
+                   "Smallest share of a step to which it may be cut; the run stops below it");
+  return section;
+}
+} // namespace kedge

@@ -1,0 +1,64 @@
+#include <kedge/parameters/section.h>
+#include <kedge/time/parameters.h>
+
+namespace kedge
+{
+using namespace schema;
+
+namespace
+{
+const std::vector<std::string> in_time = {"dynamic", "explicit"};
+
+void check_step(const SteppingParameters& stepping, const Place& place)
+{
+  if (stepping.type == StageType::dynamic && stepping.dt == 0.)
+    place.key("dt").fail("expected a number above 0 (s), found \"auto\"",
+                         "give the time step; only explicit stages find it themselves");
+  if (stepping.type != StageType::static_ && stepping.dt > stepping.final_time * (1. + 1e-12))
+    place.key("dt").fail("the time step " + shown(stepping.dt) + " s is longer than the stage",
+                         "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");
+}
+} // namespace
+
+Section<SteppingParameters> stepping_section()
+{
+  using P = SteppingParameters;
+  Section<P> section("Steps of a stage");
+  section.required(
+      "type", &P::type,
+      choice<StageType>(
+          {{"static", StageType::static_}, {"dynamic", StageType::dynamic}, {"explicit", StageType::explicit_}}),
+      "Equilibrium without inertia, implicit dynamics (Newmark), or explicit dynamics");
+  section.required("load steps", &P::load_steps, count(Bounds().at_least(1)), "Number of equal steps of the stage")
+      .only_for("type", {"static"});
+  section
+      .required("load", &P::load,
+                choice<GravityLoad>({{"gravity ramp", GravityLoad::ramp}, {"full", GravityLoad::full}}),
+                "Gravity grows from 0 to its full value over the stage, or acts in full from its first step")
+      .only_for("type", {"static"});
+  section
+      .required("dt", &P::dt, number_or("auto", 0., number("s", positive())),
+                "Time step; \"auto\", in explicit stages: from the stability limit")
+      .only_for("type", in_time);
+  section.required("final time", &P::final_time, number("s", positive()), "Duration of the stage")
+      .only_for("type", in_time);
+  section.required("beta", &P::beta, number("-", positive()), "Newmark's beta").only_for("type", {"dynamic"});
+  section
+      .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
+                "Newmark's gamma; above 0.5 it damps, below it would feed energy")
+      .only_for("type", {"dynamic"});
+  section
+      .optional("cfl", &P::cfl, number("-", positive().at_most(1.)), "Share of the stability limit taken as the step")
+      .only_for("dt", {"auto"});
+  section
+      .optional("damping", &P::damping, number("-", not_negative().below(1.)),
+                "Local damping: share of the out-of-balance force that opposes the velocity")
+      .only_for("type", {"explicit"});
+  section
+      .optional("mass scaling", &P::mass_scaling, number("-", Bounds().at_least(1.)),
+                "Factor on the inertial mass, which lengthens the stable step by its square root")
+      .only_for("type", {"explicit"});
+  section.check(check_step);
+  return section;
+}
+} // namespace kedge
