@@ -1,16 +1,128 @@
+// The command line: reads arguments, calls one function per subcommand, turns errors into exit codes.
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/geometry/command.h>
+#include <kedge/simulation/estimate.h>
 #include <kedge/simulation/simulation.h>
+#include <kedge/simulation/version.h>
+
+namespace
+{
+enum ExitCode
+{
+  success = 0,
+  bad_input = 2,
+  solver_failure = 3,
+  file_failure = 4
+};
+
+struct Arguments
+{
+  std::string file, output;
+  std::vector<std::string> overrides;
+  bool cpu = false, quiet = false;
+};
+
+void run(const Arguments& arguments)
+{
+  kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
+  kedge::refuse_unavailable_features(input);
+  if (arguments.cpu)
+    input.gpu = false;
+  kedge::RunOptions options;
+  options.input_file = arguments.file;
+  options.output_directory =
+    arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
+  options.quiet = arguments.quiet;
+  kedge::run_simulation(input, options);
+}
+
+void check(const Arguments& arguments)
+{
+  const kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
+  kedge::refuse_unavailable_features(input);
+  kedge::check_surfaces(input);
+  fmt::print("{}: valid\n{}", arguments.file, kedge::format_estimate(input, kedge::estimate_cost(input)));
+}
+
+void add_file_arguments(CLI::App& command, Arguments& arguments)
+{
+  command.add_option("FILE", arguments.file, "Input file (JSON)")->required();
+  command
+    .add_option("--set",
+                arguments.overrides,
+                "Replace a value of the input: \"path=value\", array positions from 0, "
+                "for example --set \"analysis.1.load steps=40\"")
+    ->expected(1)
+    ->take_all();
+}
+
+int run_program(kedge::Environment& environment, int argc, char** argv)
+{
+  CLI::App app("Kedge: the material point method for anchors, plates, cones and ploughs in soil");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", kedge::describe_versions());
+  app.footer("Under MPI: mpirun -n 2 kedge run FILE.json\n"
+             "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written");
+
+  Arguments arguments;
+  CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
+  add_file_arguments(run_command, arguments);
+  run_command.add_option("-o,--output", arguments.output, "Folder for all output [<stem of FILE>-output]");
+  run_command.add_flag("--cpu", arguments.cpu, "Run on the CPU whatever \"GPU\" says");
+  run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
+  run_command.final_callback([&] { run(arguments); });
+
+  CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and tell what it costs to run");
+  add_file_arguments(check_command, arguments);
+  check_command.final_callback([&] {
+    if (environment.rank() == 0)
+      check(arguments);
+  });
+
+  CLI::App& schema_command = *app.add_subcommand("schema", "Print the JSON Schema of the input, or its manual");
+  bool manual = false;
+  schema_command.add_flag("--manual", manual, "Print the parameter reference in Markdown instead");
+  schema_command.final_callback([&] { fmt::print("{}\n", manual ? kedge::input_manual() : kedge::input_schema()); });
+
+  kedge::add_geometry_command(app);
+  try
+    {
+      app.parse(argc, argv);
+    }
+  catch (const CLI::ParseError& error)
+    {
+      return app.exit(error) == 0 ? success : bad_input;
+    }
+  return success;
+}
+} // namespace
 
 int main(int argc, char** argv)
 {
   kedge::Environment environment(argc, argv);
-  kedge::RunOptions options;
-  options.input_file = argv[1];
-  try {
-  const kedge::Input input = kedge::read_input(options.input_file);
-  kedge::run_simulation(input, options);
-  } catch (const std::exception& e) { fmt::print(stderr, "{}\n", e.what()); return 2; }
+  const auto fail = [&](const std::exception& error, const ExitCode code) {
+    if (environment.rank() == 0)
+      fmt::print(stderr, "kedge: {}\n", error.what());
+    return code;
+  };
+  try
+    {
+      return run_program(environment, argc, argv);
+    }
+  catch (const kedge::InputError& error)
+    {
+      return fail(error, bad_input);
+    }
+  catch (const kedge::SolverError& error)
+    {
+      return fail(error, solver_failure);
+    }
+  catch (const kedge::FileError& error)
+    {
+      return fail(error, file_failure);
+    }
 }

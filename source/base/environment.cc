@@ -2,6 +2,8 @@
 
 #include <Tpetra_Core.hpp>
 #include <mpi.h>
+#include <string>
+#include <vector>
 
 namespace kedge
 {
@@ -13,12 +15,31 @@ struct MpiScope
   MpiScope(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
   ~MpiScope() { MPI_Finalize(); }
 };
+
+/// Kokkos claims every option, --help included, so it sees only those that are meant for it.
+struct KokkosArguments
+{
+  KokkosArguments(int argc, char** argv) : values{argv[0]}
+  {
+    for (int i = 1; i < argc; ++i)
+      if (std::string(argv[i]).rfind("--kokkos", 0) == 0)
+        values.push_back(argv[i]);
+    count = static_cast<int>(values.size());
+    values.push_back(nullptr);
+    first = values.data();
+  }
+  std::vector<char*> values;
+  int count;
+  char** first;
+};
+
 } // namespace
 
 struct Environment::Scopes
 {
-  Scopes(int& argc, char**& argv) : mpi(argc, argv), tpetra(&argc, &argv) {}
+  Scopes(int& argc, char**& argv) : mpi(argc, argv), kokkos(argc, argv), tpetra(&kokkos.count, &kokkos.first) {}
   MpiScope mpi;
+  KokkosArguments kokkos;
   Tpetra::ScopeGuard tpetra;
 };
 

@@ -74,7 +74,7 @@ private:
     const std::size_t begin = text.size();
     uLongf n_compressed = compressBound(n_bytes);
     text.resize(begin + n_compressed);
-    // The fastest level: the higher ones shrink such numbers by a few percent and take several times as long.
+    // The fastest level: higher ones take longer and save less than a tenth of such numbers.
     if (compress2(reinterpret_cast<Bytef*>(&text[begin]), &n_compressed, source, n_bytes, Z_BEST_SPEED) != Z_OK)
       throw std::bad_alloc();
     text.resize(begin + n_compressed);

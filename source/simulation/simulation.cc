@@ -1,11 +1,17 @@
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/output/snapshots.h>
+#include <kedge/output/summary.h>
 #include <kedge/particles/generation.h>
+#include <kedge/simulation/layout.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/step_problem.h>
+#include <kedge/simulation/version.h>
 #include <kedge/time/clock.h>
 #include <numeric>
 
@@ -15,26 +21,6 @@ namespace
 {
 /// A particle's work in a step relative to that of an empty cell, for the partition.
 constexpr double particle_cost = 20.;
-
-template <int dim>
-GridLayout<dim> make_layout(const Input& input)
-{
-  std::vector<double> sizes;
-  for (const Stage& stage : input.stages)
-    if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
-      {
-        sizes.push_back(stage.adaptivity.element_size);
-        if (stage.adaptivity.region > 0.)
-          sizes.push_back(stage.adaptivity.element_size_in_region);
-      }
-  const MaterialPointParameters& soil = input.material_points;
-  std::array<double, dim - 1> footprint;
-  std::copy_n(soil.plan_extent.begin(), dim - 1, footprint.begin());
-  double thickness = 0.;
-  for (const Layer& layer : soil.layers)
-    thickness += layer.thickness;
-  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis);
-}
 
 Materials upload_materials(const std::vector<Layer>& layers)
 {
@@ -59,25 +45,33 @@ public:
   void run();
 
 private:
+  void warn_of_sharp_edges();
   void begin_stage(unsigned int number);
   void run_stage(unsigned int number);
   NewtonReport find_equilibrium(const Clock& clock);
   void commit_trial();
-  void report_progress(unsigned int number, const Clock& clock, const NewtonReport& newton);
-  [[noreturn]] void give_up(unsigned int number, const Clock& clock, const NewtonReport& newton);
+  void count(const NewtonReport& newton, const Clock& clock);
+  void report_progress(const Clock& clock, const NewtonReport& newton);
+  void write_output(const Clock& clock, bool even_if_not_due);
+  [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
+  void finish_summary(const std::string& status);
   void remove_buried_particles();
 
   const Input& input;
   const RunOptions& options;
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   const Stage* stage = nullptr;
+  unsigned int stage_number = 0; ///< from 0
   Report report;
   Timings timings;
+  RunSummary summary;
 
   BackgroundMesh<dim> mesh;
   ParticleSet<dim> particles;
   Materials materials;
   RigidSystems bodies;
   Contact<dim> contact;
+  OutputWriter<dim> writer;
 
   std::unique_ptr<StepProblem<dim>> problem; ///< of the current step; survives a cut
   typename StepProblem<dim>::Load load;
@@ -92,16 +86,41 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
   : input(input_),
     options(options_),
     report(rank_of(MPI_COMM_WORLD) == 0, options_.quiet),
-    mesh(MPI_COMM_WORLD, make_layout<dim>(input_)),
+    mesh(MPI_COMM_WORLD, make_grid_layout<dim>(input_)),
     particles(mesh),
     materials(upload_materials(input_.material_points.layers)),
     bodies(make_rigid_systems(input_.systems, dim)),
-    contact(input_.contact, MPI_COMM_WORLD)
+    contact(input_.contact, MPI_COMM_WORLD),
+    writer(input_.output, options_.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
 {
+  if (rank_of(MPI_COMM_WORLD) == 0)
+    write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
+  summary.version = version();
+  summary.input_file = options.input_file;
+  summary.back_end = back_end();
+  summary.gpu_requested = input.gpu;
+  summary.ranks = size_of(MPI_COMM_WORLD);
+  summary.libraries = library_versions();
+  if (input.gpu && back_end() != "Cuda" && back_end() != "HIP")
+    report.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
+  warn_of_sharp_edges();
   const auto scope = timings.measure("generation");
   generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
   particles.balance_load(mesh, particle_cost);
   particles.load();
+}
+
+template <int dim>
+void Simulation<dim>::warn_of_sharp_edges()
+{
+  const double particle = mesh.layout().finest_size / input.material_points.points_per_axis;
+  for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
+    if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < 0.5 * particle * (1. - 1e-6))
+      report.warn(fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
+                              "soil may slip past them; round them, as kedge geometry --edge-radius does",
+                              i + 1,
+                              radius,
+                              0.5 * particle));
 }
 
 template <int dim>
@@ -112,12 +131,18 @@ void Simulation<dim>::run()
       begin_stage(number);
       run_stage(number);
     }
+  finish_summary("finished");
+  report.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
 }
 
 template <int dim>
 void Simulation<dim>::begin_stage(const unsigned int number)
 {
+  stage_number = number;
   stage = &input.stages[number];
+  summary.stages.emplace_back();
+  summary.stages.back().type = "static";
+  writer.begin_stage(stage->stepping.load_steps);
   apply_conditions(bodies, input.systems, stage->point_conditions, dim);
   if (!stage->rigid_bodies)
     return;
@@ -140,7 +165,7 @@ void Simulation<dim>::remove_buried_particles()
 }
 
 template <int dim>
-void Simulation<dim>::run_stage(const unsigned int number)
+void Simulation<dim>::run_stage(const unsigned int)
 {
   Clock clock(stage->stepping.load_steps, input.solver.minimum_step_fraction);
   while (!clock.at_end())
@@ -151,12 +176,37 @@ void Simulation<dim>::run_stage(const unsigned int number)
           commit_trial();
           clock.advance();
           ++step;
-          report_progress(number, clock, newton);
+        }
+      count(newton, clock);
+      if (newton.converged)
+        {
+          report_progress(clock, newton);
+          write_output(clock, false);
         }
       else if (!clock.cut())
-        give_up(number, clock, newton);
+        give_up(clock, newton);
     }
   report.end_progress();
+}
+
+template <int dim>
+void Simulation<dim>::count(const NewtonReport& newton, const Clock& clock)
+{
+  StageSummary& counts = summary.stages.back();
+  counts.steps += newton.converged;
+  counts.cuts = clock.cuts();
+  counts.newton_iterations += newton.iterations;
+  counts.krylov_iterations += newton.krylov_iterations;
+}
+
+template <int dim>
+void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+{
+  const auto scope = timings.measure("output");
+  const double time = clock.steps_done() / clock.requested_steps();
+  writer.write_if_due({particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, stage_number + time},
+                      summary.stages.back().steps,
+                      clock.at_end() || even_if_not_due);
 }
 
 template <int dim>
@@ -198,6 +248,7 @@ void Simulation<dim>::commit_trial()
       particles.set_contact_gaps(contact.smallest_gaps());
       contact.commit();
     }
+  summary.stages.back().dofs = problem->n_dofs();
   problem.reset();
   particles.commit(increments, input.material_points.domain_update);
   particles.load();
@@ -205,10 +256,10 @@ void Simulation<dim>::commit_trial()
 }
 
 template <int dim>
-void Simulation<dim>::report_progress(const unsigned int number, const Clock& clock, const NewtonReport& newton)
+void Simulation<dim>::report_progress(const Clock& clock, const NewtonReport& newton)
 {
   Progress state;
-  state.stage = number + 1;
+  state.stage = stage_number + 1;
   state.n_stages = input.stages.size();
   state.time = clock.steps_done() / clock.requested_steps();
   state.step = step;
@@ -222,9 +273,12 @@ void Simulation<dim>::report_progress(const unsigned int number, const Clock& cl
 }
 
 template <int dim>
-void Simulation<dim>::give_up(const unsigned int number, const Clock& clock, const NewtonReport& newton)
+void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   report.end_progress();
+  if (summary.stages.back().steps > 0)
+    write_output(clock, true);
+  finish_summary("failed: " + newton.failure);
   std::string history;
   for (const double residual : newton.residuals)
     history += fmt::format(" {:.2e}", residual);
@@ -232,7 +286,7 @@ void Simulation<dim>::give_up(const unsigned int number, const Clock& clock, con
     fmt::format("stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
                 "Residual over the soil's weight:{}\n"
                 "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
-                number + 1,
+                stage_number + 1,
                 clock.steps_done() + 1.,
                 clock.requested_steps(),
                 newton.failure,
@@ -240,7 +294,33 @@ void Simulation<dim>::give_up(const unsigned int number, const Clock& clock, con
                 history),
     newton.residuals);
 }
+
+template <int dim>
+void Simulation<dim>::finish_summary(const std::string& status)
+{
+  const MPI_Comm world = MPI_COMM_WORLD;
+  summary.status = status;
+  summary.warnings = report.warnings();
+  summary.seconds = timings.seconds();
+  summary.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.peak_memory = max_over_ranks(peak_memory(), world);
+  summary.bytes_per_particle = sum_over_ranks(peak_memory(), world) / std::max(1ll, particles.n_global());
+  StageSummary& last = summary.stages.back();
+  last.particles = particles.n_global();
+  last.deleted = deleted + particles.n_lost();
+  long long cells = 0;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    cells += cell->is_locally_owned() && particles.handler().n_particles_in_cell(cell) > 0;
+  last.cells = sum_over_ranks(cells, world);
+  if (rank_of(world) == 0)
+    write_summary(summary, (std::filesystem::path(options.output_directory) / "summary.json").string());
+}
 } // namespace
+
+void check_surfaces(const Input& input)
+{
+  make_rigid_systems(input.systems, input.dimension);
+}
 
 void run_simulation(const Input& input, const RunOptions& options)
 {

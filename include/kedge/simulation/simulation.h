@@ -13,6 +13,9 @@ struct RunOptions
   bool quiet = false;
 };
 
+/// Reads every surface of the input. Throws InputError where one is not closed, inverted or crosses itself.
+void check_surfaces(const Input& input);
+
 /// Runs all stages. Throws SolverError where a step fails at its smallest size (the state reached is written first) and
 /// FileError where output cannot be written. Collective.
 void run_simulation(const Input& input, const RunOptions& options);

@@ -1,0 +1,28 @@
+#include <algorithm>
+#include <kedge/simulation/layout.h>
+
+namespace kedge
+{
+template <int dim>
+GridLayout<dim> make_grid_layout(const Input& input)
+{
+  std::vector<double> sizes;
+  for (const Stage& stage : input.stages)
+    if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
+      {
+        sizes.push_back(stage.adaptivity.element_size);
+        if (stage.adaptivity.region > 0.)
+          sizes.push_back(stage.adaptivity.element_size_in_region);
+      }
+  const MaterialPointParameters& soil = input.material_points;
+  std::array<double, dim - 1> footprint;
+  std::copy_n(soil.plan_extent.begin(), dim - 1, footprint.begin());
+  double thickness = 0.;
+  for (const Layer& layer : soil.layers)
+    thickness += layer.thickness;
+  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis);
+}
+
+template GridLayout<2> make_grid_layout<2>(const Input&);
+template GridLayout<3> make_grid_layout<3>(const Input&);
+} // namespace kedge
