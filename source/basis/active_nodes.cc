@@ -22,8 +22,7 @@ number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char
 {
   const unsigned int n_nodes = table.node_ids.size();
   const int n_ranks = size_of(communicator);
-  const long long n_owned_nodes =
-    std::count(table.node_owner_is_me.begin(), table.node_owner_is_me.end(), 1u);
+  const long long n_owned_nodes = table.n_owned_nodes;
   const std::vector<long long> range = find_owned_ranges(n_owned_nodes, communicator);
   const long long first_owned = range[rank_of(communicator)];
 

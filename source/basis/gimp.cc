@@ -191,17 +191,6 @@ HostStencils build_stencils(const LeafTable<dim>& table,
   return stencils;
 }
 
-namespace
-{
-template <typename T>
-View<T*> upload(const std::vector<T>& host, const char* label)
-{
-  View<T*> device(Kokkos::view_alloc(std::string(label), Kokkos::WithoutInitializing), host.size());
-  Kokkos::deep_copy(device, Kokkos::View<const T*, Kokkos::HostSpace>(host.data(), host.size()));
-  return device;
-}
-} // namespace
-
 template <int dim>
 StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number)
 {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <kedge/base/communication.h>
+#include <kedge/basis/active_nodes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
 #include <unordered_set>
@@ -100,13 +101,25 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies,
           const int leaf = table.find_leaf(inside);
           if (leaf < 0)
             continue;
+          for (unsigned int d = 0; d < dim; ++d) // the corner itself, so that moments balance too
+            inside[d] = std::clamp(x[d], table.leaves[leaf].lower[d], table.leaves[leaf].lower[d] + table.leaves[leaf].size);
           shares.clear();
           add_leaf_shape<dim>(table, leaf, inside, 1., shares);
+          // a sliver of the box may reach into a leaf without making all its nodes active
+          shares.erase(std::remove_if(shares.begin(),
+                                      shares.end(),
+                                      [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
+                       shares.end());
+          double sum = 0.;
+          for (const NodeShare<dim>& share : shares)
+            sum += share.value;
+          if (!(sum > 0.))
+            continue;
           const unsigned int point = points.n_points();
           for (const NodeShare<dim>& share : shares)
             {
               points.nodes.push_back(number[share.node]);
-              points.weights.push_back(share.value);
+              points.weights.push_back(share.value / sum);
             }
           points.begin.push_back(points.nodes.size());
           for (const unsigned int s : near)

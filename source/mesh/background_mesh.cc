@@ -175,6 +175,7 @@ void BackgroundMesh<dim>::update()
   table.base_cells = grid.base_cells;
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();
+  table.n_owned_nodes = nodes.n_locally_owned_dofs();
   unsigned int n_base_cells = 1;
   for (unsigned int d = 0; d < dim; ++d)
     n_base_cells *= grid.base_cells[d];

@@ -41,9 +41,7 @@ template <int dim>
 ParticleSet<dim>::ParticleSet(BackgroundMesh<dim>& mesh_)
   : mesh(mesh_),
     particles(mesh_.triangulation(), mesh_.mapping(), field::count)
-{
-  particles.signals.particle_lost.connect([this](const auto&, const auto&) { ++lost_here; });
-}
+{}
 
 template <int dim>
 void ParticleSet<dim>::load()
@@ -148,7 +146,9 @@ void ParticleSet<dim>::commit(const ParticleIncrements& increments, const Domain
           data[field::plastic_strain] += plastic(p);
           ++p;
         }
+  const long long before = particles.n_global_particles();
   particles.sort_particles_into_subdomains_and_cells();
+  lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
 template <int dim>
@@ -173,12 +173,6 @@ long long ParticleSet<dim>::remove_if(const std::function<bool(const dealii::Poi
   const long long removed = doomed.size();
   particles.remove_particles(doomed);
   return sum_over_ranks(removed, mesh.triangulation().get_communicator());
-}
-
-template <int dim>
-long long ParticleSet<dim>::n_lost() const
-{
-  return sum_over_ranks(lost_here, mesh.triangulation().get_communicator());
 }
 
 template class ParticleSet<2>;

@@ -47,7 +47,7 @@ public:
 private:
   void warn_of_sharp_edges();
   void begin_stage(unsigned int number);
-  void run_stage(unsigned int number);
+  void run_stage();
   NewtonReport find_equilibrium(const Clock& clock);
   void commit_trial();
   void count(const NewtonReport& newton, const Clock& clock);
@@ -75,6 +75,7 @@ private:
 
   std::unique_ptr<StepProblem<dim>> problem; ///< of the current step; survives a cut
   typename StepProblem<dim>::Load load;
+  typename StepProblem<dim>::Prediction prediction; ///< for the next step of this stage
   std::vector<Vector6> reactions;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
   long long deleted = 0;
@@ -114,8 +115,9 @@ template <int dim>
 void Simulation<dim>::warn_of_sharp_edges()
 {
   const double particle = mesh.layout().finest_size / input.material_points.points_per_axis;
+  constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
   for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
-    if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < 0.5 * particle * (1. - 1e-6))
+    if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < facets * 0.5 * particle)
       report.warn(fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
                               "soil may slip past them; round them, as kedge geometry --edge-radius does",
                               i + 1,
@@ -129,7 +131,7 @@ void Simulation<dim>::run()
   for (unsigned int number = 0; number < input.stages.size(); ++number)
     {
       begin_stage(number);
-      run_stage(number);
+      run_stage();
     }
   finish_summary("finished");
   report.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
@@ -140,6 +142,7 @@ void Simulation<dim>::begin_stage(const unsigned int number)
 {
   stage_number = number;
   stage = &input.stages[number];
+  prediction.clear();
   summary.stages.emplace_back();
   summary.stages.back().type = "static";
   writer.begin_stage(stage->stepping.load_steps);
@@ -165,7 +168,7 @@ void Simulation<dim>::remove_buried_particles()
 }
 
 template <int dim>
-void Simulation<dim>::run_stage(const unsigned int)
+void Simulation<dim>::run_stage()
 {
   Clock clock(stage->stepping.load_steps, input.solver.minimum_step_fraction);
   while (!clock.at_end())
@@ -220,10 +223,11 @@ NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
 
   load.gravity_factor =
     stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
+  load.step_fraction = clock.step_fraction();
   load.body_increments.clear();
   for (const RigidPoint& point : bodies.points)
     load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
-  return problem->solve(load);
+  return problem->solve(load, prediction);
 }
 
 template <int dim>
@@ -249,6 +253,7 @@ void Simulation<dim>::commit_trial()
       contact.commit();
     }
   summary.stages.back().dofs = problem->n_dofs();
+  prediction = problem->predict_next();
   problem.reset();
   particles.commit(increments, input.material_points.domain_update);
   particles.load();

@@ -1,19 +1,10 @@
 #include <cmath>
 #include <kedge/base/communication.h>
+#include <kedge/basis/ghost_faces.h>
 #include <kedge/simulation/step_problem.h>
 
 namespace kedge
 {
-namespace
-{
-template <typename T>
-std::vector<T> to_vector(const View<T*>& view)
-{
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-  return std::vector<T>(host.data(), host.data() + host.extent(0));
-}
-} // namespace
-
 template <int dim>
 StepProblem<dim>::StepProblem(const Input& input_,
                               const Stage& stage_,
@@ -69,8 +60,27 @@ void StepProblem<dim>::number_nodes()
   std::vector<unsigned char> used(mesh.leaves().node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
+  HostGhostFaces faces;
+  if (input.solver.ghost_factor > 0.)
+    {
+      const std::vector<LeafContent> contents =
+        find_leaf_contents<dim>(mesh.leaves(),
+                                particles.positions(),
+                                particles.half_widths(),
+                                download(particles.arrays().young),
+                                input.solver.poor_factor,
+                                mesh.triangulation().get_communicator());
+      faces = find_ghost_faces<dim>(mesh.leaves(), contents, input.solver.ghost_factor);
+      for (const unsigned int node : faces.nodes)
+        used[node] = 1; // active already, but perhaps only through other ranks' particles
+    }
   nodes = number_active_nodes<dim>(mesh.leaves(), used, mesh.triangulation().get_communicator());
   stencils = upload_stencils<dim>(std::move(host), nodes.number);
+  for (unsigned int& node : faces.nodes)
+    node = nodes.number[node];
+  ghost_faces = {{upload(faces.node_begin, "ghost node begin"), upload(faces.nodes, "ghost nodes")},
+                 upload(faces.value_begin, "ghost value begin"),
+                 upload(faces.value, "ghost values")};
 }
 
 template <int dim>
@@ -106,8 +116,8 @@ void StepProblem<dim>::find_contact_pairs()
       const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
       reach = std::max(reach, step.head<3>().norm() + step.tail<3>().norm() * lever);
     }
-  const std::vector<double> volume = to_vector(particles.arrays().initial_volume);
-  const std::vector<double> young = to_vector(particles.arrays().young);
+  const std::vector<double> volume = download(particles.arrays().initial_volume);
+  const std::vector<double> young = download(particles.arrays().young);
   contact.find_pairs(bodies,
                      mesh.leaves(),
                      {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
@@ -116,16 +126,46 @@ void StepProblem<dim>::find_contact_pairs()
 }
 
 template <int dim>
-NewtonReport StepProblem<dim>::solve(const Load& load_)
+NewtonReport StepProblem<dim>::solve(const Load& load_, const Prediction& prediction)
 {
   load = load_;
-  increment->putScalar(0.);
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance) {
     return solve_linearised(x, r, dx, tolerance);
   };
+  start_from(problem, prediction);
   return solve_newton(problem, *increment, input.solver);
+}
+
+template <int dim>
+void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
+{
+  increment->putScalar(0.);
+  if (prediction.empty())
+    return;
+  TpetraVector guess(increment->getMap()), r(increment->getMap());
+  {
+    auto view = guess.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (unsigned int v = 0; v < nodes.n_owned; ++v)
+      for (unsigned int d = 0; d < dim; ++d)
+        view(dim * v + d, 0) = load.step_fraction * prediction[dim * nodes.mesh_node[v] + d];
+  }
+  system->zero_constrained(guess);
+  const double at_rest = newton.residual(*increment, r);
+  if (newton.residual(guess, r) < at_rest)
+    Tpetra::deep_copy(*increment, guess);
+}
+
+template <int dim>
+typename StepProblem<dim>::Prediction StepProblem<dim>::predict_next() const
+{
+  const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
+  Prediction prediction(dim * mesh.leaves().node_ids.size(), 0.);
+  for (unsigned int v = 0; v < nodes.n_local(); ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      prediction[dim * nodes.mesh_node[v] + d] = local(dim * v + d) / load.step_fraction;
+  return prediction;
 }
 
 template <int dim>

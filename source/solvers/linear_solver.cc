@@ -2,6 +2,9 @@
 #include <BelosBlockGmresSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Tpetra_RowMatrixTransposer.hpp>
 #include <kedge/solvers/linear_solver.h>
 
 namespace kedge
@@ -11,14 +14,12 @@ namespace
 using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
-using Factorisation = Amesos2::Solver<TpetraMatrix, MultiVector>;
 
 constexpr std::size_t always_direct_below = 2000;     // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000;     // dofs: fill-in of three-dimensional problems
-constexpr unsigned int worn_out_factor = 3;           // iterations over those of the fresh hierarchy
-constexpr unsigned int worn_out_minimum = 25;
+constexpr unsigned int worn_out_minimum = 20;         // iterations that an old hierarchy may always take
 
-Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong)
+Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
 {
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
@@ -27,8 +28,16 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("sa: damping factor", 1.33);
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
-  list.set("coarse: max size", 1000);
-  list.set("coarse: type", "KLU2");
+  list.set("coarse: max size", parallel ? 300 : 1000);
+  if (parallel) // KLU2 of Trilinos 13 is wrong for unsymmetric matrices that are spread over ranks
+    {
+      list.set("coarse: type", "RELAXATION");
+      Teuchos::ParameterList& coarse = list.sublist("coarse: params");
+      coarse.set("relaxation: type", "Symmetric Gauss-Seidel");
+      coarse.set("relaxation: sweeps", 8);
+    }
+  else
+    list.set("coarse: type", "KLU2");
   list.set("max levels", 6);
   list.set("reuse: type", "none");
   if (strong)
@@ -50,6 +59,52 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
     }
   return list;
 }
+
+/// False where the matrix is singular. All on one process.
+bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& b, TpetraVector& x)
+{
+  const auto solver = Amesos2::create<TpetraMatrix, MultiVector>(
+    "KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b));
+  try
+    {
+      solver->symbolicFactorization().numericFactorization().solve();
+    }
+  catch (const std::runtime_error&) // KLU2's way of saying so
+    {
+      return false;
+    }
+  return std::isfinite(x.norm2());
+}
+
+/// Over all ranks.
+std::size_t find_longest_row(const TpetraMatrix& matrix)
+{
+  const auto graph = matrix.getLocalMatrixHost().graph;
+  unsigned long long here = 0, longest = 0;
+  for (LocalOrdinal row = 0; row < static_cast<LocalOrdinal>(graph.numRows()); ++row)
+    here = std::max<unsigned long long>(here, graph.row_map(row + 1) - graph.row_map(row));
+  Teuchos::reduceAll(*matrix.getComm(), Teuchos::REDUCE_MAX, here, Teuchos::outArg(longest));
+  return longest;
+}
+
+/// A copy on MPI_COMM_SELF of a matrix whose rows all lie on this rank; its global numbers are 0, 1, ...
+Teuchos::RCP<TpetraMatrix> copy_to_self(const TpetraMatrix& gathered, const std::size_t longest_row)
+{
+  const std::size_t n = gathered.getGlobalNumRows();
+  const auto self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
+  const auto map = Teuchos::rcp(new TpetraMap(n, 0, self));
+  auto copy = Teuchos::rcp(new TpetraMatrix(map, map, longest_row));
+  for (std::size_t row = 0; row < n; ++row)
+    {
+      std::size_t length = gathered.getNumEntriesInGlobalRow(row);
+      TpetraMatrix::nonconst_global_inds_host_view_type columns("columns", length);
+      TpetraMatrix::nonconst_values_host_view_type values("values", length);
+      gathered.getGlobalRowCopy(row, columns, values, length);
+      copy->insertGlobalValues(row, static_cast<LocalOrdinal>(length), values.data(), columns.data());
+    }
+  copy->fillComplete();
+  return copy;
+}
 } // namespace
 
 struct LinearSolver::Implementation
@@ -69,7 +124,7 @@ struct LinearSolver::Implementation
 
   void build_hierarchy(const bool strong)
   {
-    Teuchos::ParameterList list = hierarchy_parameters(block_size, strong);
+    Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, matrix->getComm()->getSize() > 1);
     list.sublist("user data").set("Nullspace", near_null_space);
     const Teuchos::RCP<Operator> as_operator = matrix;
     hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
@@ -78,24 +133,45 @@ struct LinearSolver::Implementation
 
   LinearReport solve_direct(const TpetraVector& b, TpetraVector& x) const
   {
-    const auto solver = Amesos2::create<TpetraMatrix, MultiVector>(
-      "KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b));
     LinearReport report;
     report.method = "KLU2";
-    try
-      {
-        solver->symbolicFactorization().numericFactorization().solve();
-      }
-    catch (const std::runtime_error&) // KLU2's way of saying that the matrix is singular
-      {
-        return report;
-      }
     report.iterations = 1;
-    report.converged = std::isfinite(x.norm2());
+    report.converged =
+      matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
     return report;
   }
 
-  LinearReport solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance) const
+  /// Collects the system on rank 0, for KLU2 as above.
+  bool solve_on_first_rank(const TpetraVector& b, TpetraVector& x) const
+  {
+    const auto communicator = matrix->getComm();
+    const std::size_t n = matrix->getGlobalNumRows();
+    const bool first = communicator->getRank() == 0;
+    const auto map = Teuchos::rcp(new TpetraMap(n, first ? n : 0, 0, communicator));
+    const TpetraImport to_first(matrix->getRowMap(), map);
+    const std::size_t longest_row = find_longest_row(*matrix);
+    TpetraMatrix gathered(map, map, longest_row);
+    gathered.doImport(*matrix, to_first, Tpetra::INSERT);
+    TpetraVector gathered_b(map), gathered_x(map);
+    gathered_b.doImport(b, to_first, Tpetra::INSERT);
+    int solved = 1;
+    if (first)
+      {
+        const auto local = copy_to_self(gathered, longest_row);
+        TpetraVector local_b(local->getRowMap()), local_x(local->getRowMap());
+        Kokkos::deep_copy(local_b.getLocalViewHost(Tpetra::Access::OverwriteAll),
+                          gathered_b.getLocalViewHost(Tpetra::Access::ReadOnly));
+        solved = factorise_and_solve(local, local_b, local_x);
+        Kokkos::deep_copy(gathered_x.getLocalViewHost(Tpetra::Access::OverwriteAll),
+                          local_x.getLocalViewHost(Tpetra::Access::ReadOnly));
+      }
+    Teuchos::broadcast(*communicator, 0, &solved);
+    x.doExport(gathered_x, to_first, Tpetra::INSERT);
+    return solved != 0;
+  }
+
+  LinearReport
+  solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance, const unsigned int max_iterations) const
   {
     x.putScalar(0.);
     auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
@@ -103,14 +179,25 @@ struct LinearSolver::Implementation
     problem->setRightPrec(hierarchy);
     problem->setProblem();
     const auto list = Teuchos::parameterList();
-    list->set("Maximum Iterations", static_cast<int>(parameters.max_linear_iterations));
-    list->set("Num Blocks", static_cast<int>(std::min(parameters.max_linear_iterations, 100u)));
+    list->set("Maximum Iterations", static_cast<int>(max_iterations));
+    list->set("Num Blocks", static_cast<int>(std::min(max_iterations, 100u)));
     list->set("Convergence Tolerance", tolerance);
     list->set("Verbosity", static_cast<int>(Belos::Errors));
     Belos::BlockGmresSolMgr<double, MultiVector, Operator> solver(problem, list);
     LinearReport report;
     report.method = "GMRES";
-    report.converged = solver.solve() == Belos::Converged && std::isfinite(x.norm2());
+    try
+      {
+        report.converged = solver.solve() == Belos::Converged && std::isfinite(x.norm2());
+      }
+    catch (const Belos::BelosError&) // what a preconditioner that yields NaN leads to
+      {
+        report.converged = false;
+      }
+    catch (const std::runtime_error&) // KLU2 on the coarsest level: it is singular there already
+      {
+        report.converged = false;
+      }
     report.iterations = solver.getNumIters();
     return report;
   }
@@ -139,26 +226,27 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
   if (solver.prefers_direct())
     return solver.solve_direct(right_side, x);
 
-  bool fresh = false;
-  const auto refresh = [&](const bool strong) {
-    solver.build_hierarchy(strong);
-    fresh = true;
-  };
-  if (solver.hierarchy.is_null() || !solver.parameters.reuse)
-    refresh(false);
-  LinearReport report = solver.solve_krylov(right_side, x, relative_tolerance);
-  unsigned int escalations = 0, iterations = report.iterations;
-  if (!report.converged && !fresh)
+  const unsigned int limit = solver.parameters.max_linear_iterations;
+  LinearReport report;
+  unsigned int iterations = 0, escalations = 0;
+  if (!solver.hierarchy.is_null() && solver.parameters.reuse)
     {
-      refresh(false);
-      report = solver.solve_krylov(right_side, x, relative_tolerance);
+      // an old hierarchy that needs more than twice the iterations of its first solve costs more than a new one
+      report = solver.solve_krylov(
+        right_side, x, relative_tolerance, std::min(limit, std::max(worn_out_minimum, 2 * solver.fresh_iterations)));
       iterations += report.iterations;
-      ++escalations;
     }
   if (!report.converged)
     {
-      refresh(true);
-      report = solver.solve_krylov(right_side, x, relative_tolerance);
+      solver.build_hierarchy(false);
+      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
+      iterations += report.iterations;
+      solver.fresh_iterations = report.iterations;
+    }
+  if (!report.converged)
+    {
+      solver.build_hierarchy(true);
+      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
       report.method = "GMRES with incomplete factors";
       iterations += report.iterations;
       ++escalations;
@@ -168,10 +256,6 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
       report = solver.solve_direct(right_side, x);
       ++escalations;
     }
-  if (fresh)
-    solver.fresh_iterations = report.iterations;
-  else if (report.iterations > std::max(worn_out_minimum, worn_out_factor * solver.fresh_iterations))
-    solver.hierarchy = Teuchos::null; // still converges, but a new one pays
   if (escalations > 0)
     solver.hierarchy = Teuchos::null;
   report.iterations = iterations;
@@ -188,9 +272,13 @@ Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const T
   auto modes = Teuchos::rcp(new TpetraMultiVector(map, dim + n_rotations, true));
   auto view = modes->getLocalViewHost(Tpetra::Access::OverwriteAll);
   const std::size_t n_nodes = position.size() / dim;
-  std::array<double, 3> centre{{0., 0., 0.}};
+  std::array<double, 4> mine{{0., 0., 0., double(n_nodes)}}, sums; // one centre for all ranks, or they rotate apart
   for (std::size_t i = 0; i < position.size(); ++i)
-    centre[i % dim] += position[i] / std::max<std::size_t>(1, n_nodes);
+    mine[i % dim] += position[i];
+  Teuchos::reduceAll(*map->getComm(), Teuchos::REDUCE_SUM, 4, mine.data(), sums.data());
+  std::array<double, 3> centre;
+  for (unsigned int d = 0; d < 3; ++d)
+    centre[d] = sums[d] / std::max(1., sums[3]);
 
   for (std::size_t v = 0; v < n_nodes; ++v)
     {

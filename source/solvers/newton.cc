@@ -8,7 +8,9 @@ namespace
 {
 constexpr double loosest = 1e-2, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
-constexpr unsigned int max_halvings = 6;
+constexpr unsigned int max_trials = 6;
+constexpr double slack = 0.8;         // share of the work along a step that may remain
+constexpr double growth_limit = 10.;  // of the residual in a step accepted for its work
 constexpr double hopeless = 1e8; // growth of the residual over its start that no further iteration repairs
 
 /// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, and no tighter than what the target needs.
@@ -65,23 +67,29 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
           return report;
         }
 
-      // Steps along which the residual does not fall are shortened; the best of them is taken all the same, because
-      // switching contacts and yield surfaces make the residual jump on the way to the solution.
-      double step = 1., best_step = 1., best = INFINITY;
-      const double start = measure;
-      for (unsigned int halving = 0;; ++halving, step *= 0.5)
+      // Two ways to accept a step: the residual falls (Armijo), or the work of the residual along the step has all but
+      // vanished (Matthies & Strang 1979). The first alone would creep where stiff contacts switch, for the norm sees
+      // little else; the second alone may leave the region where Newton converges.
+      double step = 1., best_step = 1., best_work = INFINITY;
+      const double start = measure, start_work = dx.dot(residual);
+      for (unsigned int trial_number = 0;; ++trial_number)
         {
           trial.update(1., x, -step, dx, 0.);
           measure = problem.residual(trial, trial_residual);
-          if (measure < best)
+          const double work = std::isfinite(measure) ? dx.dot(trial_residual) : INFINITY;
+          if (std::abs(work) < best_work)
             {
-              best = measure;
+              best_work = std::abs(work);
               best_step = step;
             }
-          if (!parameters.line_search || measure <= (1. - armijo * step) * start || halving == max_halvings)
+          if (!parameters.line_search || measure <= (1. - armijo * step) * start ||
+              (std::abs(work) <= slack * std::abs(start_work) && measure < growth_limit * start) ||
+              trial_number == max_trials)
             break;
+          const double secant = start_work / (start_work - work);
+          step *= std::isfinite(secant) ? std::clamp(secant, 0.1, 0.5) : 0.25;
         }
-      if (parameters.line_search && best_step != step && std::isfinite(best))
+      if (parameters.line_search && best_step != step && std::isfinite(best_work))
         {
           trial.update(1., x, -best_step, dx, 0.);
           measure = problem.residual(trial, trial_residual);

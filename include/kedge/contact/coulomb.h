@@ -49,26 +49,30 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at,
 
   const double pressure = -stiffness.normal * at.gap;
   response.force = pressure * n;
-  // gap n changes along n, and turns where the closest point sits on an edge or vertex
-  const double turn = std::fabs(at.distance) > 1e-14 ? at.gap / at.distance : 1.;
-  response.tangent = -stiffness.normal * (across + turn * (at.normal_subspace - across));
+  // gap n changes along n, and n turns where the closest point sits on an edge or vertex
+  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero(); // d n / d soil point
+  if (std::fabs(at.distance) > 1e-14)
+    turning = (at.normal_subspace - across) * (1. / at.distance);
+  response.tangent = -stiffness.normal * (across + at.gap * turning);
 
   if (stiffness.friction == 0.)
     return response;
-  const Eigen::Vector3d trial = along * (previous - stiffness.tangential * at.slip);
+  const Eigen::Vector3d elastic = previous - stiffness.tangential * at.slip, trial = along * elastic;
+  const Eigen::Matrix3d trial_change =
+    -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
   const double size = std::sqrt(trial.dot(trial)), limit = stiffness.friction * pressure;
   if (size <= limit)
     {
       response.tangential = trial;
-      response.tangent -= stiffness.tangential * along;
+      response.tangent += trial_change;
     }
   else
     {
       response.sliding = true;
       const Eigen::Vector3d direction = trial * (1. / size);
       response.tangential = limit * direction;
-      response.tangent -= stiffness.friction * stiffness.normal * direction * n.transpose() +
-                          (limit / size) * stiffness.tangential * (along - direction * direction.transpose());
+      response.tangent -= stiffness.friction * stiffness.normal * direction * n.transpose();
+      response.tangent += (limit / size) * (trial_change - direction * (direction.transpose() * trial_change));
     }
   response.force += response.tangential;
   return response;

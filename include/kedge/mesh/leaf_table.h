@@ -44,6 +44,7 @@ struct LeafTable
   std::vector<std::array<double, dim>> node_position; ///< m
   std::vector<unsigned int> node_owner_is_me;         ///< 1 where this rank owns the node
   long long n_global_nodes = 0;
+  long long n_owned_nodes = 0; ///< numbers handed out by this rank, hanging nodes (which are not listed here) included
 
   /// Leaf that holds x (points on a face belong to the upper cell; the grid's boundary is closed), or -1 where unknown or
   /// outside.

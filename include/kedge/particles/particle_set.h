@@ -45,8 +45,8 @@ public:
   long long remove_if(const std::function<bool(const dealii::Point<dim>&)>& condition);
 
   long long n_global() const { return particles.n_global_particles(); }
-  /// Particles that left the grid and were dropped, over all ranks.
-  long long n_lost() const;
+  /// Particles that left the grid, or moved past the neighbours of their rank's cells in one step, and were dropped.
+  long long n_lost() const { return lost; }
 
 private:
   BackgroundMesh<dim>& mesh;
@@ -55,6 +55,6 @@ private:
   std::vector<std::array<double, dim>> centre, half_width;
   std::vector<unsigned int> leaf;
   std::vector<long long> id;
-  long long lost_here = 0;
+  long long lost = 0;
 };
 } // namespace kedge

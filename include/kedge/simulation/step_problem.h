@@ -21,8 +21,13 @@ public:
   struct Load
   {
     double gravity_factor = 1.;
+    double step_fraction = 1.;            ///< of a requested step
     std::vector<Vector6> body_increments; ///< per rigid point, of the whole (possibly cut) step
   };
+
+  /// Nodal increments of a requested step (m, dim per node of the leaf table) as the last steps had them: the guess from
+  /// which the next one starts. Empty: rest.
+  using Prediction = std::vector<double>;
 
   /// Overlaps particles with cells, numbers the active nodes and sets up the sparsity. Collective.
   StepProblem(const Input& input,
@@ -34,8 +39,10 @@ public:
               Contact<dim>& contact,
               Timings& timings);
 
-  /// Finds equilibrium from rest. Collective.
-  NewtonReport solve(const Load& load);
+  /// Finds equilibrium, from the prediction where that is nearer to it than rest. Collective.
+  NewtonReport solve(const Load& load, const Prediction& prediction);
+  /// The solution as a prediction for the next step.
+  Prediction predict_next() const;
 
   /// Of the solution: displacement and dF of every particle, and the loads of the soil on the bodies. Collective.
   ParticleIncrements particle_increments() const;
@@ -47,6 +54,7 @@ private:
   void number_nodes();
   std::vector<unsigned char> find_constrained_dofs() const;
   void find_contact_pairs();
+  void start_from(const NewtonProblem& newton, const Prediction& prediction);
   double residual(const TpetraVector& x, TpetraVector& r);
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, double tolerance);
 

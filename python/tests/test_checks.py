@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+"""Tests of the style checks: each finds the fault that it is there for, and nothing in a good example."""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+CHECKS = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "checks"
+
+
+class CheckCase(unittest.TestCase):
+    """Runs a check on a small repository."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def run_check(self, name, *arguments):
+        return subprocess.run([sys.executable, str(CHECKS / name), "--root", str(self.root), *arguments],
+                              capture_output=True, text=True, check=False)
+
+    def assert_finds(self, name, *parts):
+        result = self.run_check(name)
+        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+        for part in parts:
+            self.assertIn(part, result.stdout)
+
+    def assert_passes(self, name, *arguments):
+        result = self.run_check(name, *arguments)
+        self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+
+
+class Help(CheckCase):
+    def test_every_check_explains_itself(self):
+        for path in CHECKS.glob("check-*"):
+            with self.subTest(path.name):
+                result = self.run_check(path.name, "--help")
+                self.assertEqual(result.returncode, 0)
+                self.assertIn("Checks ", result.stdout)
+
+
+class Format(CheckCase):
+    def setUp(self):
+        super().setUp()
+        self.write(".clang-format", "BasedOnStyle: LLVM\n")
+        result = self.run_check("check-format")
+        if result.returncode == 77:
+            self.skipTest(result.stdout)
+
+    def test_accepts_good_layout(self):
+        self.write("source/a.cc", "int main() { return 0; }\n")
+        self.assert_passes("check-format")
+
+    def test_finds_bad_layout(self):
+        self.write("source/a.cc", "int   main(){return 0;}\n")
+        self.assert_finds("check-format", "source/a.cc:1:")
+
+    def test_fix_mends_it(self):
+        self.write("include/a.h", "int   f(  );\n")
+        self.assert_passes("check-format", "--fix")
+        self.assertEqual((self.root / "include/a.h").read_text(encoding="utf-8"), "int f();\n")
+
+
+class Floors(CheckCase):
+    def test_accepts_lower_rooms_and_the_own_room(self):
+        self.write("source/contact/a.cc", "#include \"b.h\"\n#include <kedge/contact/b.h>\n#include <kedge/basis/c.h>\n")
+        self.write("source/main.cc", "#include <kedge/simulation/a.h>\n")
+        self.assert_passes("check-floors")
+
+    def test_finds_a_higher_room(self):
+        self.write("include/kedge/solvers/a.h", "#pragma once\n#include <kedge/materials/b.h>\n")
+        self.assert_finds("check-floors", "include/kedge/solvers/a.h:2: solvers (floor 2)", "floor 3")
+
+    def test_finds_a_neighbour_on_the_same_floor(self):
+        self.write("source/mesh/a.cc", "#  include <kedge/bodies/b.h>\n")
+        self.assert_finds("check-floors", "source/mesh/a.cc:1: mesh (floor 3)")
+
+    def test_finds_rooms_without_a_floor(self):
+        self.write("source/attic/a.cc", "\n")
+        self.write("source/basis/a.cc", "#include <kedge/attic/b.h>\n")
+        self.assert_finds("check-floors", "the room attic has no floor", "<kedge/attic/b.h> is in no known room")
+
+    def test_finds_a_way_around_by_relative_paths(self):
+        self.write("source/base/a.cc", "#include \"../output/b.h\"\n")
+        self.assert_finds("check-floors", "leaves its folder")
+
+
+class Core(CheckCase):
+    def test_accepts_deal_ii_outside_the_core(self):
+        self.write("source/mesh/a.cc", "#include <deal.II/grid/tria.h>\n")
+        self.write("source/assembly/a.cc", "#include <kedge/base/b.h>\n#include <Kokkos_Core.hpp>\n")
+        self.write("include/kedge/base/b.h", "#include <vector>\n")
+        self.write("source/solvers/linear_solver.cc", "#include <MueLu_Hierarchy.hpp>\n")
+        self.assert_passes("check-core")
+
+    def test_finds_deal_ii_in_the_core(self):
+        for name in ("include/kedge/base/kokkos.h", "include/kedge/contact/coulomb.h", "source/solvers/a.cc",
+                     "include/kedge/materials/a.h", "source/assembly/a.cc"):
+            with self.subTest(name):
+                self.write(name, "#include <deal.II/base/point.h>\n")
+                self.assert_finds("check-core", f"{name}:1: the core reaches deal.II/base/point.h")
+                (self.root / name).unlink()
+
+    def test_finds_deal_ii_behind_other_headers(self):
+        self.write("source/assembly/a.cc", "#include \"local.h\"\n")
+        self.write("source/assembly/local.h", "#include <kedge/basis/b.h>\n")
+        self.write("include/kedge/basis/b.h", "#include <kedge/mesh/c.h>\n")
+        self.write("include/kedge/mesh/c.h", "\n#include <deal.II/grid/tria.h>\n")
+        self.assert_finds("check-core", "source/assembly/a.cc:1: the core reaches deal.II/grid/tria.h, "
+                          "by way of source/assembly/local.h:1, by way of include/kedge/basis/b.h:1, "
+                          "by way of include/kedge/mesh/c.h:2")
+
+    def test_headers_that_include_each_other_come_to_an_end(self):
+        self.write("include/kedge/materials/a.h", "#include <kedge/materials/b.h>\n")
+        self.write("include/kedge/materials/b.h", "#include <kedge/materials/a.h>\n")
+        self.assert_passes("check-core")
+
+    def test_finds_solver_libraries_outside_the_linear_solver(self):
+        self.write("include/kedge/solvers/linear_solver.h", "#include <BelosLinearProblem.hpp>\n")
+        self.write("source/simulation/a.cc", "#include <MueLu.hpp>\n")
+        self.assert_finds("check-core", "<BelosLinearProblem.hpp>", "<MueLu.hpp>")
+
+
+class Lengths(CheckCase):
+    def test_counts_sources_and_scripts_only(self):
+        self.write("source/a.cc", 450 * "\n")
+        self.write("doc/a.md", 1000 * "\n")
+        self.write("LICENSE", 1000 * "\n")
+        self.assert_passes("check-lengths")
+
+    def test_finds_long_files(self):
+        self.write("source/a.cc", 451 * "\n")
+        self.write("scripts/a", "#!/bin/bash\n" + 500 * "\n")
+        self.assert_finds("check-lengths", "source/a.cc: 451 lines", "scripts/a: 501 lines")
+
+
+if __name__ == "__main__":
+    unittest.main()

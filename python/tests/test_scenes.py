@@ -1,0 +1,195 @@
+#!/usr/bin/python3
+"""Tests of the scene runner: exact solutions, measures on made-up results, and that a wrong result is told."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
+sys.path.insert(0, str(SCENES))
+
+from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
+from measures import column, course, cube, plate  # noqa: E402
+from runs import Run, RunError  # noqa: E402
+
+
+class RunCase(unittest.TestCase):
+    """Makes output folders."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def make_run(self, points=None, body=None, scene=None, stages=(), log="", name="run"):
+        folder = self.folder / name
+        (folder / "csv").mkdir(parents=True)
+        for path, columns, first in (("mps_1_00002.csv", points, "time,1\n"), ("rigid_body.csv", body, "")):
+            if columns:
+                rows = [",".join(map(repr, map(float, row))) for row in zip(*columns.values())]
+                (folder / "csv" / path).write_text(first + "\n".join([",".join(columns), *rows]) + "\n",
+                                                   encoding="utf-8")
+        (folder / "input.json").write_text(json.dumps(scene or {}), encoding="utf-8")
+        (folder / "summary.json").write_text(json.dumps({"stages": list(stages)}), encoding="utf-8")
+        return Run(folder, log)
+
+
+def soil(thickness, young, density):
+    return {"domain": {"gravity": [0, 0, -10]},
+            "material points": {"material size": {"max": [2, 3]},
+                                "layers": [{"thickness": thickness,
+                                            "material": {"E": young, "density": density}}]}}
+
+
+class Column(RunCase):
+    def exact_run(self, n, stress_error=0., name="run"):
+        start = (np.arange(n) + 0.5) / n
+        x = column.exact_height(start, 1., 50., 200.)
+        return self.make_run({"initial position_z": start, "position_z": x,
+                              "stress_zz": -50. * (1. - start) + stress_error, "lp_z": np.zeros(n)},
+                             scene=soil(1., 200., 5.), name=name)
+
+    def test_exact_height_agrees_with_summed_slices(self):
+        middle = (np.arange(20000) + 0.5) / 20000
+        stretch = column._stretch(-50. * (1. - middle) / 200.)
+        np.testing.assert_allclose(np.log(stretch) / stretch, -0.25 * (1. - middle), rtol=1e-12, atol=1e-15)
+        self.assertAlmostEqual(column.exact_height(1., 1., 50., 200.), np.mean(stretch), delta=1e-9)
+
+    def test_exact_results_have_no_error(self):
+        run = self.exact_run(8)
+        self.assertLess(column.largest_stress_error(run), 1e-14)
+        self.assertLess(column.largest_height_error(run), 1e-14)
+
+    def test_errors_are_relative_to_the_base_stress(self):
+        run = self.exact_run(8, stress_error=0.5)
+        self.assertAlmostEqual(column.largest_stress_error(run), 0.01)
+        self.assertAlmostEqual(column.mean_stress_error(run), 0.01)
+
+    def test_order_is_that_of_the_errors(self):
+        runs = [self.exact_run(8, error, str(error)) for error in (0.8, 0.2, 0.1)]
+        self.assertAlmostEqual(column.lowest_order(*runs), 1.)
+
+    def test_difference_to_given_stresses(self):
+        run = self.make_run({"initial position_z": [0.1, 0.1, 0.3], "stress_zz": [-100., -101., -50.]})
+        self.assertAlmostEqual(column.stress_difference(run, [0.1, 0.3], [100., 50.]), 0.01)
+
+
+class Cube(RunCase):
+    def test_weightless_uniform_compression_is_exact(self):
+        stress = -1e4 * np.log(0.5) / 0.5  # E ln(l) / l, compressive
+        scene = soil(1., 1e4, 0.)
+        scene["rigid bodies"] = [{"points": [{"position": [0, 0, 3.], "mass": 2.}]}]
+        run = self.make_run({"initial position_z": [0.25, 0.75], "position_z": [0.125, 0.375], "lp_z": [0.125, 0.125],
+                             "stress_zz": [-stress, -stress], "contact gap": [np.nan, -0.002]},
+                            {"body1_position_z": [2.5], "body1_reaction force_z": [20. - 6. * stress]}, scene)
+        self.assertLess(cube.hencky_error(run), 1e-12)
+        self.assertLess(cube.balance_error(run), 1e-12)
+        self.assertEqual(cube.spread(run), 0.)
+        self.assertAlmostEqual(cube.penetration(run), 0.002)
+
+
+class Plate(RunCase):
+    def make_plate(self, direction):
+        travel = np.linspace(0.01, 0.05, 5)
+        force = 0.5 * 1e4 * travel / (0.01 + travel)
+        scene = {"rigid bodies": [{"points": [{"position": [1., 0., 0.], "mass": 1.}]}]}
+        return self.make_run({"initial position_x": 1. + direction * np.array([0.1, -0.1, 0.1]),
+                              "initial position_y": [0., 0., 0.], "initial position_z": [1., 1., 0.5],
+                              "displacement_z": [0.02, -0.01, 5.]},
+                             {"body1_position_x": 1. + direction * travel,
+                              "body1_reaction force_x": direction * force}, scene, name=str(direction))
+
+    def test_measures_follow_the_motion(self):
+        for direction in (1., -1.):
+            run = self.make_plate(direction)
+            self.assertAlmostEqual(plate.limit(run, 0.1), 1e5, delta=1.)
+            self.assertGreater(plate.smallest_growth(run, 0.1), 0.)
+            self.assertLess(plate.flattening(run, 0.1), 0.2)
+            self.assertEqual(plate.rise_in_front(run), 0.02)
+            self.assertEqual(plate.rise_behind(run), -0.01)
+
+
+class Course(RunCase):
+    def test_iterations_and_cuts(self):
+        log = "stage 1/1 step 2 NR 3 cuts 0 del 0\nstage 1/1 step 3 NR 5 cuts 1 del 0\n"
+        run = self.make_run(log=log, stages=[{"steps": 2, "cuts": 1, "newton iterations": 8}])
+        self.assertEqual(course.most_iterations(run), 5)
+        self.assertEqual(course.mean_iterations(run), 4.)
+        self.assertEqual(course.cuts(run), 1)
+
+    def test_difference_of_two_runs(self):
+        runs = [self.make_run({"a": [1., 2.], "b": [0., 1e-3 * i]}, name=str(i)) for i in (1, 2)]
+        self.assertAlmostEqual(course.largest_difference(*runs, columns=["a"]), 0.)
+        self.assertAlmostEqual(course.largest_difference(*runs, columns=["a", "b"]), 1.)
+
+    def test_a_missing_column_is_named(self):
+        with self.assertRaisesRegex(RunError, "no column \"b\""):
+            self.make_run({"a": [1.]}).points("b")
+
+
+class Expectations(RunCase):
+    def judge(self, **expectation):
+        run = self.make_run(stages=[{"steps": 1, "cuts": 2}], name=str(expectation))
+        return judge({"statement": "cuts", "measure": "course.cuts", **expectation}, {"run": run}).holds
+
+    def test_bounds(self):
+        self.assertTrue(self.judge(**{"at most": 2, "at least": 2}))
+        self.assertFalse(self.judge(**{"at most": 1}))
+        self.assertFalse(self.judge(**{"at least": 3}))
+
+    def test_no_number_holds_nothing(self):
+        run = self.make_run({"a": [np.nan]})
+        expectation = {"statement": "", "measure": "course.largest_difference", "with": {"columns": ["a"]},
+                       "at most": 1e300}
+        self.assertFalse(judge(expectation, {"1": run, "2": run}).holds)
+
+    def test_unknown_names_are_refused(self):
+        good = {"statement": "s", "measure": "course.cuts", "at most": 0}
+        path = self.folder / "x.json"
+        for change, message in (({"at most": None}, "no bound"), ({"almost": 1}, "unknown \"almost\""),
+                                ({"of": ["b"]}, "unknown run \"b\"")):
+            expectation = {key: value for key, value in {**good, **change}.items() if value is not None}
+            path.write_text(json.dumps({"runs": {"a": {"scene": "s"}}, "expect": [expectation]}), encoding="utf-8")
+            with self.assertRaisesRegex(ExpectationError, message):
+                load(path)
+        with self.assertRaisesRegex(ExpectationError, "no measure"):
+            judge({**good, "measure": "course.unknown"}, {})
+
+    def test_every_file_of_expectations_is_well_formed(self):
+        for path in SCENES.glob("*.json"):
+            with self.subTest(path.name):
+                content = load(path)
+                for run in content["runs"].values():
+                    self.assertTrue((SCENES.parents[1] / run["scene"]).is_file(), run["scene"])
+
+
+class Command(RunCase):
+    def run_scene(self, program):
+        (self.folder / "kedge").write_text(program, encoding="utf-8")
+        (self.folder / "kedge").chmod(0o755)
+        (self.folder / "x.json").write_text(json.dumps({
+            "runs": {"a": {"scene": "prm/column.json"}},
+            "expect": [{"statement": "cuts", "measure": "course.cuts", "at most": 0}]}), encoding="utf-8")
+        return subprocess.run([sys.executable, str(SCENES / "run-scene"), str(self.folder / "x.json"), "--program",
+                               str(self.folder / "kedge")], capture_output=True, text=True, check=False)
+
+    def test_passes_and_fails(self):
+        program = "#!/bin/bash\nmkdir -p $4\necho '{{\"stages\": [{{\"cuts\": {}}}]}}' >$4/summary.json\n"
+        for cuts, code, words in ((0, 0, "1 passed, 0 failed"), (1, 1, "0 passed, 1 failed")):
+            result = self.run_scene(program.format(cuts))
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assertIn(words, result.stdout)
+
+    def test_a_failing_program_is_told(self):
+        result = self.run_scene("#!/bin/bash\necho too bad >&2\nexit 3\n")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("exit code 3", result.stderr)
+        self.assertIn("too bad", result.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,1 @@
+"""Measures: functions of one or more runs that return one number each."""

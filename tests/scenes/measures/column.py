@@ -1,0 +1,78 @@
+"""The column under its own weight, uniaxial and elastic (Hencky, nu = 0), against its exact solution.
+
+Weight per area is carried by the reference section, so the Cauchy stress in a slice that started at height z0 is
+sigma = -rho g (L - z0) whatever its stretch; the stretch l then follows from E ln(l) / l = sigma, and the slice's
+height from x = int l dz0 = E / (rho g) [ln(l) - ln(l)^2 / 2] between the base and the slice.
+"""
+import numpy as np
+
+
+def _case(run):
+    soil = run.input["material points"]
+    layer, = soil["layers"]
+    weight = layer["material"]["density"] * abs(run.input["domain"]["gravity"][-1])
+    return layer["thickness"], weight, layer["material"]["E"]
+
+
+def _stretch(stress_over_young):
+    """Solves ln(l) / l = s for s <= 0 by Newton's method on ln(l), which converges from l = 1 for every s."""
+    s = np.asarray(stress_over_young, dtype=float)
+    logarithm = np.zeros_like(s)
+    for _ in range(50):
+        stretch = np.exp(logarithm)
+        logarithm -= (logarithm - s * stretch) / (1. - s * stretch)
+    return np.exp(logarithm)
+
+
+def exact_height(start, length, weight, young):
+    """Final height of a slice that started at a given height."""
+    def antiderivative(z):
+        logarithm = np.log(_stretch(-weight * (length - z) / young))
+        return young / weight * (logarithm - logarithm**2 / 2.)
+    return antiderivative(np.asarray(start, dtype=float)) - antiderivative(0.)
+
+
+def _stress_errors(run):
+    length, weight, _ = _case(run)
+    exact = -weight * (length - run.points("initial position_z"))
+    return (run.points("stress_zz") - exact) / (weight * length)
+
+
+def largest_stress_error(run):
+    """Of any material point, over the base stress rho g L."""
+    return np.max(np.abs(_stress_errors(run)))
+
+
+def mean_stress_error(run):
+    """Sum |sigma - exact| V0 / (rho g L sum V0); all material points have the same V0."""
+    return np.mean(np.abs(_stress_errors(run)))
+
+
+def largest_height_error(run):
+    """Of any material point, m."""
+    exact = exact_height(run.points("initial position_z"), *_case(run))
+    return np.max(np.abs(run.points("position_z") - exact))
+
+
+def length(run):
+    """Height of the upper end of the uppermost domain, m."""
+    return np.max(run.points("position_z") + run.points("lp_z"))
+
+
+def length_error(run):
+    """Of the length, m."""
+    start, *rest = _case(run)
+    return abs(length(run) - exact_height(start, start, *rest))
+
+
+def lowest_order(*runs):
+    """Lowest observed order of convergence of the mean stress error from run to run, each with half the size."""
+    errors = [mean_stress_error(run) for run in runs]
+    return min(np.log2(coarse / fine) for coarse, fine in zip(errors, errors[1:]))
+
+
+def stress_difference(run, heights, stresses):
+    """Largest relative difference to given values of |sigma_zz| at given initial heights."""
+    start, stress = run.points("initial position_z"), np.abs(run.points("stress_zz"))
+    return max(np.max(np.abs(stress[np.isclose(start, height)] / expected - 1.))
+               for height, expected in zip(heights, stresses))

@@ -1,0 +1,31 @@
+"""How a run went, whatever it computed."""
+import numpy as np
+
+
+def most_iterations(*runs):
+    """Most Newton iterations of any step."""
+    return max(max(run.newton_iterations) for run in runs)
+
+
+def mean_iterations(*runs):
+    """Newton iterations per step."""
+    stages = [stage for run in runs for stage in run.summary["stages"]]
+    return sum(stage["newton iterations"] for stage in stages) / sum(stage["steps"] for stage in stages)
+
+
+def cuts(*runs):
+    """Steps that had to be cut."""
+    return sum(stage["cuts"] for run in runs for stage in run.summary["stages"])
+
+
+def largest_difference(first, second, columns):
+    """Largest difference between two runs in the given columns of the material points, over each column's largest
+    value."""
+    return max(np.max(np.abs(first.points(name) - second.points(name))) / np.max(np.abs(first.points(name)))
+               for name in columns)
+
+
+def largest_body_difference(first, second, columns):
+    """Likewise for columns of the table of rigid bodies."""
+    return max(np.max(np.abs(first.body(name) - second.body(name))) / np.max(np.abs(first.body(name)))
+               for name in columns)

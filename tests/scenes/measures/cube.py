@@ -1,0 +1,52 @@
+"""The elastic cube (Hencky, nu = 0) under a smooth platen: uniaxial strain, so that the cross-section keeps its area."""
+import numpy as np
+
+
+def _case(run):
+    soil = run.input["material points"]
+    layer, = soil["layers"]
+    area = np.prod(soil["material size"]["max"])
+    weight = layer["material"]["density"] * abs(run.input["domain"]["gravity"][-1])
+    return layer["thickness"], area, weight, layer["material"]["E"]
+
+
+def _mean_stress(run):
+    """Compressive; material points of equal mass."""
+    return -np.mean(run.points("stress_zz"))
+
+
+def reached_height(run):
+    """Mean height of the upper ends of the uppermost domains, m."""
+    start = run.points("initial position_z")
+    return np.mean((run.points("position_z") + run.points("lp_z"))[np.isclose(start, start.max())])
+
+
+def hencky_error(run):
+    """Relative difference of the mean stress to E ln(L / L0) L0 / L at the height reached."""
+    start, _, _, young = _case(run)
+    height = reached_height(run)
+    return abs(_mean_stress(run) / (-young * np.log(height / start) * start / height) - 1.)
+
+
+def spread(run):
+    """Largest less smallest stress, over the mean."""
+    return np.ptp(run.points("stress_zz")) / _mean_stress(run)
+
+
+def balance_error(run):
+    """Relative difference of contact force / area + half the soil's weight / area to the mean stress."""
+    start, area, weight, _ = _case(run)
+    point = run.input["rigid bodies"][0]["points"][0]
+    # The reaction moves the platen and carries its weight; the rest of it presses on the soil.
+    own_weight = point["mass"] * abs(run.input["domain"]["gravity"][-1])
+    force = own_weight - run.body("body1_reaction force_z")[-1]
+    return abs((force / area + weight * start / 2.) / _mean_stress(run) - 1.)
+
+
+def penetration(run):
+    """Depth of the deepest domain below the platen's lower face, m. The face starts at the soil's surface."""
+    start = _case(run)[0]
+    point = run.input["rigid bodies"][0]["points"][0]
+    face = start + run.body("body1_position_z")[-1] - point["position"][2]
+    by_corner = -np.nanmin(run.points("contact gap"))
+    return max(by_corner, np.max(run.points("position_z") + run.points("lp_z")) - face)

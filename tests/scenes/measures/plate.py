@@ -1,0 +1,69 @@
+"""A plate anchor in sand: one half of it, buried at the start, pulled along x."""
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
+
+from kedge_plot.resistance import fit_hyperbola  # noqa: E402  (found only after the line above)
+
+
+def _curve(run, area):
+    """Displacement (m) from the start of the run and resistance (Pa) of the whole anchor, both along the motion."""
+    start = run.input["rigid bodies"][0]["points"][0]["position"][0]
+    displacement = run.body("body1_position_x") - start
+    direction = np.sign(displacement[-1])
+    return direction * displacement, direction * 2. * run.body("body1_reaction force_x") / area
+
+
+def smallest_growth(run, area):
+    """Smallest increment of the resistance from row to row, over the largest resistance."""
+    _, resistance = _curve(run, area)
+    return np.min(np.diff(resistance)) / np.max(resistance)
+
+
+def flattening(run, area):
+    """Slope of the curve at its end over that at its start."""
+    displacement, resistance = _curve(run, area)
+    slope = np.diff(resistance, prepend=0.) / np.diff(displacement, prepend=0.)
+    return slope[-1] / slope[0]
+
+
+def resistance(run, area):
+    """At the end, Pa."""
+    return _curve(run, area)[1][-1]
+
+
+def limit(run, area):
+    """Asymptote of the hyperbola through the curve, Pa."""
+    return fit_hyperbola(*_curve(run, area)).limit
+
+
+def limit_error(run, area):
+    """Standard error of the asymptote, over the asymptote."""
+    fit = fit_hyperbola(*_curve(run, area))
+    return fit.limit_error / fit.limit
+
+
+def _surface_motion(run):
+    """Distance ahead of the plate at the start and vertical displacement of the uppermost material points near the plane
+    of symmetry, m."""
+    z, y = run.points("initial position_z"), run.points("initial position_y")
+    chosen = np.isclose(z, z.max()) & np.isclose(y, y.min())
+    start = run.input["rigid bodies"][0]["points"][0]["position"][0]
+    direction = np.sign(run.body("body1_position_x")[-1] - start)
+    ahead = direction * (run.points("initial position_x")[chosen] - start)
+    return ahead, run.points("displacement_z")[chosen]
+
+
+def rise_in_front(run):
+    """Largest rise of the surface ahead of the plate, m."""
+    ahead, rise = _surface_motion(run)
+    return np.max(rise[ahead > 0.])
+
+
+def rise_behind(run):
+    """Lowest rise of the surface behind the plate, m; negative where it sinks."""
+    ahead, rise = _surface_motion(run)
+    return np.min(rise[ahead < 0.])

@@ -1,0 +1,180 @@
+// A block of soil with hanging nodes and particles that straddle cells, ready for the kernels.
+#pragma once
+
+#include "../mesh/refined_mesh.h"
+#include "../on_host.h"
+#include <functional>
+#include <kedge/assembly/system.h>
+#include <kedge/basis/active_nodes.h>
+#include <kedge/basis/gimp.h>
+#include <kedge/particles/generation.h>
+#include <memory>
+
+namespace kedge::test
+{
+inline Materials upload_materials(const std::vector<Layer>& layers)
+{
+  const Materials materials("materials", layers.size());
+  const auto host = Kokkos::create_mirror_view(materials);
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    host(i) = make_material(layers[i].material);
+  Kokkos::deep_copy(materials, host);
+  return materials;
+}
+
+inline MaterialParameters soil(const MaterialType type)
+{
+  MaterialParameters parameters;
+  parameters.type = type;
+  parameters.young = 1e7;
+  parameters.poisson = 0.3;
+  parameters.density = 2000.;
+  parameters.friction_angle = 20.;
+  parameters.dilation_angle = 5.;
+  parameters.cohesion = 2e3;
+  return parameters;
+}
+
+/// What the kernels and the system need of particles that are where they should be.
+template <int dim> struct Discretisation
+{
+  Discretisation(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
+  {
+    const LeafTable<dim>& table = mesh.leaves();
+    HostStencils host =
+        build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(), false);
+    std::vector<unsigned char> used(table.node_ids.size(), 0);
+    for (const unsigned int node : host.pattern_nodes)
+      used[node] = 1;
+    nodes = number_active_nodes<dim>(table, used, mesh.triangulation().get_communicator());
+    stencils = upload_stencils<dim>(std::move(host), nodes.number);
+    for (const unsigned int node : nodes.mesh_node)
+      position.push_back(table.node_position[node]);
+  }
+
+  std::unique_ptr<System> make_system(const std::vector<unsigned char>& constrained) const
+  {
+    const std::vector<NodeLists> couplings{{stencils.pattern_node_begin, stencils.pattern_nodes}};
+    return std::make_unique<System>(
+        dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
+  }
+  std::unique_ptr<System> make_system() const
+  {
+    return make_system(std::vector<unsigned char>(dim * nodes.n_local(), 0));
+  }
+
+  using Field = std::function<double(const std::array<double, dim>& position, unsigned int component)>;
+
+  /// A field at the nodes of this rank, ghosts included.
+  NodalVector nodal(const Field& field) const
+  {
+    NodalVector vector("nodal vector", dim * nodes.n_local());
+    const auto host = Kokkos::create_mirror_view(vector);
+    for (unsigned int v = 0; v < nodes.n_local(); ++v)
+      for (unsigned int d = 0; d < dim; ++d)
+        host(dim * v + d) = field(position[v], d);
+    Kokkos::deep_copy(vector, host);
+    return vector;
+  }
+
+  /// A field at the nodes that this rank owns.
+  TpetraVector owned(const System& system, const Field& field) const
+  {
+    TpetraVector vector(system.graph().row_map);
+    auto view = vector.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (unsigned int v = 0; v < nodes.n_owned; ++v)
+      for (unsigned int d = 0; d < dim; ++d)
+        view(dim * v + d, 0) = field(position[v], d);
+    return vector;
+  }
+
+  ActiveNodes nodes;
+  StencilSet stencils;
+  std::vector<std::array<double, dim>> position; ///< of the nodes of this rank
+};
+
+/// Soil under isotropic pressure with some shear, random but the same on any number of ranks.
+template <int dim> struct Block
+{
+  static constexpr double cell = 0.3;
+
+  explicit Block(const MaterialType type, const MPI_Comm communicator = MPI_COMM_WORLD, const bool stressed = true)
+      : mesh(communicator, layout()), particles(mesh)
+  {
+    MaterialPointParameters parameters;
+    parameters.layers = {{1., soil(type)}};
+    materials = upload_materials(parameters.layers);
+    generate_particles(particles, mesh, parameters, 9.81);
+    if (stressed)
+      stress();
+    particles.balance_load(mesh, 5.);
+    particles.handler().prepare_for_coarsening_and_refinement();
+    refine_some_cells(mesh, 11);
+    particles.handler().unpack_after_coarsening_and_refinement();
+    mesh.update();
+    particles.load();
+    shake();
+    particles.load();
+    parts = std::make_unique<Discretisation<dim>>(mesh, particles);
+  }
+
+  static GridLayout<dim> layout()
+  {
+    std::array<unsigned int, dim> cells;
+    cells.fill(3);
+    cells[0] = 4;
+    return make_brick<dim>(cells, cell, 2. / 3.);
+  }
+
+  void stress()
+  {
+    for (auto& particle : particles.handler())
+      for (unsigned int i = 0; i < 6; ++i)
+        particle.get_properties()[field::elastic_strain + i] =
+            (i < 3 ? -1e-2 : 0.) + (i < 3 ? 1.2e-2 : 3e-2) * (noise(particle.get_id(), i) - 0.5);
+  }
+
+  /// Moves the particles off their lattice, far enough for boxes to straddle faces, edges and corners.
+  void shake()
+  {
+    ParticleIncrements increments;
+    increments.displacement = View<double* [3]>("displacement", particles.ids().size());
+    increments.deformation_gradient = View<double* [9]>("dF", particles.ids().size());
+    const auto u = Kokkos::create_mirror_view(increments.displacement);
+    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
+    for (std::size_t p = 0; p < particles.ids().size(); ++p)
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        u(p, d) = 0.4 * cell * (noise(particles.ids()[p], 10 + d) - 0.5);
+        f(p, 4 * d) = 1.;
+      }
+    Kokkos::deep_copy(increments.displacement, u);
+    Kokkos::deep_copy(increments.deformation_gradient, f);
+    particles.commit(increments, DomainUpdate::none);
+  }
+
+  /// Increments at random with strains of about the given size.
+  static typename Discretisation<dim>::Field random_field(const double strain, const unsigned int salt)
+  {
+    return [strain, salt](const std::array<double, dim>& x, const unsigned int d)
+    { return strain * cell * (noise_at(x, dim, salt + d) - 0.5); };
+  }
+
+  BackgroundMesh<dim> mesh;
+  ParticleSet<dim> particles;
+  Materials materials;
+  std::unique_ptr<Discretisation<dim>> parts;
+};
+
+/// Internal force of all ranks' particles on the owned dofs for an increment given on the owned dofs.
+template <int dim>
+TpetraVector internal_force(const Block<dim>& block, const System& system, const TpetraVector& increment)
+{
+  const NodalVector force = system.make_nodal_vector();
+  update_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials,
+                               system.spread(increment), force);
+  TpetraVector owned(system.graph().row_map);
+  system.collect(force, owned);
+  return owned;
+}
+} // namespace kedge::test

@@ -1,0 +1,272 @@
+#include "block.h"
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+#include <kedge/solvers/linear_solver.h>
+
+using namespace kedge;
+using test::on_host;
+
+namespace
+{
+template <typename Dimension> class TangentMatrix : public testing::Test
+{
+public:
+  static constexpr int dim = Dimension::value;
+
+  void use(const MaterialType type, const bool stressed = true)
+  {
+    block = std::make_unique<test::Block<dim>>(type, MPI_COMM_WORLD, stressed);
+    system = block->parts->make_system();
+  }
+
+  void assemble(const TpetraVector& increment)
+  {
+    system->clear_matrix();
+    add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, system->spread(increment),
+                     system->graph(), system->values());
+    system->finish_matrix();
+  }
+
+  TpetraVector times(const TpetraVector& x) const
+  {
+    TpetraVector y(system->graph().row_map);
+    system->matrix()->apply(x, y);
+    return y;
+  }
+
+  /// Largest difference between the tangent and differences of the force, in random directions, relative to the former.
+  double error_against_differences(const double strain)
+  {
+    const TpetraVector increment = block->parts->owned(*system, block->random_field(strain, 1));
+    assemble(increment);
+    constexpr double step = 1e-4;
+    double worst = 0.;
+    for (unsigned int direction = 0; direction < 4; ++direction)
+    {
+      const TpetraVector change = block->parts->owned(*system, block->random_field(strain, 100 * (direction + 1)));
+      TpetraVector ahead(increment, Teuchos::Copy), behind(increment, Teuchos::Copy);
+      ahead.update(step, change, 1.);
+      behind.update(-step, change, 1.);
+      TpetraVector difference = test::internal_force(*block, *system, ahead);
+      difference.update(-0.5 / step, test::internal_force(*block, *system, behind), 0.5 / step);
+      const TpetraVector product = times(change);
+      difference.update(-1., product, 1.);
+      worst = std::max(worst, difference.normInf() / product.normInf());
+    }
+    return worst;
+  }
+
+  std::array<long long, 2> count_plastic_and_tensile() const
+  {
+    const auto plastic = on_host(block->particles.arrays().trial_plastic);
+    const auto stress = on_host(block->particles.arrays().trial_stress);
+    long long n_plastic = 0, n_tensile = 0;
+    for (std::size_t p = 0; p < plastic.extent(0); ++p)
+    {
+      n_plastic += plastic(p) > 0.;
+      n_tensile += stress(p, 0) + stress(p, 1) + stress(p, 2) > 0.;
+    }
+    return {{sum_over_ranks(n_plastic, MPI_COMM_WORLD), sum_over_ranks(n_tensile, MPI_COMM_WORLD)}};
+  }
+
+  std::unique_ptr<test::Block<dim>> block;
+  std::unique_ptr<System> system;
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(TangentMatrix, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheElasticForce)
+{
+  this->use(MaterialType::elastic);
+  EXPECT_LT(this->error_against_differences(0.1), 1e-6);
+}
+
+TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForce)
+{
+  this->use(MaterialType::mohr_coulomb);
+  EXPECT_LT(this->error_against_differences(5e-3), 1e-6);
+  const auto [plastic, tensile] = this->count_plastic_and_tensile();
+  EXPECT_GT(plastic, this->block->particles.n_global() / 10);
+  EXPECT_LT(plastic, this->block->particles.n_global());
+  EXPECT_EQ(tensile, 0); // an apex would keep a residual stiffness that differences do not see
+}
+
+TYPED_TEST(TangentMatrix, SeesNoRigidBodyModesWithoutStress)
+{
+  constexpr int dim = TypeParam::value;
+  this->use(MaterialType::elastic, false);
+  this->assemble(TpetraVector(this->system->graph().row_map));
+  std::vector<double> position;
+  for (unsigned int v = 0; v < this->block->parts->nodes.n_owned; ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      position.push_back(this->block->parts->position[v][d]);
+  const auto modes = make_rigid_body_modes(this->system->graph().row_map, dim, position,
+                                           std::vector<unsigned char>(position.size(), 0));
+  const double scale =
+      this->times(this->block->parts->owned(*this->system, this->block->random_field(1., 1))).normInf();
+  for (std::size_t mode = 0; mode < modes->getNumVectors(); ++mode)
+    EXPECT_LT(this->times(*modes->getVector(mode)).normInf(), 1e-10 * scale) << "mode " << mode;
+}
+
+TYPED_TEST(TangentMatrix, IsThatOfOneRank)
+{
+  // the reference sums over the particles of a mesh that this rank has for itself, without any matrix
+  constexpr int dim = TypeParam::value;
+  this->use(MaterialType::mohr_coulomb);
+  const auto increment = this->block->random_field(5e-3, 1), direction = this->block->random_field(1., 50);
+  this->assemble(this->block->parts->owned(*this->system, increment));
+  const TpetraVector product = this->times(this->block->parts->owned(*this->system, direction));
+
+  const test::Block<dim> serial(MaterialType::mohr_coulomb, MPI_COMM_SELF);
+  const auto deformation =
+      on_host(interpolate_increments<dim>(serial.parts->stencils, serial.parts->nodal(increment)).deformation_gradient);
+  const auto strain =
+      on_host(interpolate_increments<dim>(serial.parts->stencils, serial.parts->nodal(direction)).deformation_gradient);
+  const ParticleArrays& arrays = serial.particles.arrays();
+  const auto b = on_host(arrays.elastic_left_cauchy_green);
+  const auto volume = on_host(arrays.initial_volume), young = on_host(arrays.young);
+  BoxAverage<dim> box(serial.mesh.leaves());
+  std::vector<double> expected(dim * serial.mesh.leaves().node_ids.size(), 0.);
+  for (std::size_t p = 0; p < arrays.n; ++p)
+  {
+    Eigen::Matrix3d dF, change;
+    SymmetricTensor left;
+    for (int i = 0; i < 9; ++i)
+    {
+      dF(i / 3, i % 3) = deformation(p, i);
+      change(i / 3, i % 3) = strain(p, i) - (i % 4 == 0 ? 1. : 0.);
+    }
+    for (int i = 0; i < 6; ++i)
+      left[i] = b(p, i);
+    SpatialTangent tangent;
+    update_stress(dF, left, young(p), on_host(serial.materials)(0), tangent);
+    const Eigen::Matrix3d spatial = change * dF.inverse();
+    Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k)
+          for (int l = 0; l < 3; ++l)
+            stress(i, j) += volume(p) * tangent(i, j, k, l) * spatial(k, l);
+    const Eigen::Matrix3d flux = stress * dF.inverse().transpose();
+    box.find_overlaps(serial.particles.positions()[p], serial.particles.half_widths()[p]);
+    for (const NodeShare<dim>& share : box.average())
+      for (unsigned int i = 0; i < dim; ++i)
+        for (unsigned int j = 0; j < dim; ++j)
+          expected[dim * share.node + i] += flux(i, j) * share.gradient[j];
+  }
+
+  const auto found = product.getLocalViewHost(Tpetra::Access::ReadOnly);
+  double largest = 0.;
+  for (unsigned int v = 0; v < this->block->parts->nodes.n_owned; ++v)
+  {
+    const auto& x = this->block->parts->position[v];
+    const auto& all = serial.mesh.leaves().node_position;
+    const std::size_t w = std::find_if(all.begin(), all.end(),
+                                       [&](const auto& y)
+                                       {
+                                         double distance = 0.;
+                                         for (unsigned int d = 0; d < dim; ++d)
+                                           distance += std::abs(x[d] - y[d]);
+                                         return distance < 1e-9;
+                                       }) -
+                          all.begin();
+    for (unsigned int d = 0; d < dim; ++d)
+      largest = std::max(largest, std::abs(found(dim * v + d, 0) - expected.at(dim * w + d)));
+  }
+  EXPECT_LT(max_over_ranks(largest, MPI_COMM_WORLD), 1e-10 * product.normInf());
+}
+
+TYPED_TEST(TangentMatrix, HasScaledIdentitiesForConstrainedDofs)
+{
+  constexpr int dim = TypeParam::value;
+  this->use(MaterialType::mohr_coulomb);
+  // rollers at the lower end of the first axis
+  const auto held = [](const std::array<double, dim>& x, const unsigned int d) { return d == 0 && x[0] < 1e-9; };
+  std::vector<unsigned char> constrained;
+  for (const auto& x : this->block->parts->position)
+    for (unsigned int d = 0; d < dim; ++d)
+      constrained.push_back(held(x, d));
+  const auto random = this->block->random_field(1., 7);
+  const TpetraVector increment(this->system->graph().row_map);
+  this->assemble(increment);
+  const TpetraVector free_part = this->block->parts->owned(*this->system, [&](const auto& x, const unsigned int d)
+                                                           { return held(x, d) ? 0. : random(x, d); });
+  const TpetraVector all = this->block->parts->owned(*this->system, random);
+  const TpetraVector unconstrained = this->times(free_part);
+
+  this->system = this->block->parts->make_system(constrained);
+  this->assemble(increment);
+  const TpetraVector product = this->times(all);
+  const auto y = product.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto x = all.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto before = unconstrained.getLocalViewHost(Tpetra::Access::ReadOnly);
+  double lowest = INFINITY, highest = -INFINITY, largest = 0.;
+  for (std::size_t dof = 0; dof < y.extent(0); ++dof)
+    if (constrained[dof])
+    {
+      lowest = std::min(lowest, y(dof, 0) / x(dof, 0));
+      highest = std::max(highest, y(dof, 0) / x(dof, 0));
+    }
+    else
+      largest = std::max(largest, std::abs(y(dof, 0) - before(dof, 0)));
+  lowest = min_over_ranks(lowest, MPI_COMM_WORLD);
+  highest = max_over_ranks(highest, MPI_COMM_WORLD);
+  EXPECT_GT(lowest, 0.);
+  EXPECT_NEAR(lowest, highest, 1e-12 * highest);
+  EXPECT_LT(max_over_ranks(largest, MPI_COMM_WORLD), 1e-12 * unconstrained.normInf());
+}
+
+TYPED_TEST(TangentMatrix, ZeroesConstrainedEntriesOfVectors)
+{
+  constexpr int dim = TypeParam::value;
+  this->use(MaterialType::elastic);
+  std::vector<unsigned char> constrained(dim * this->block->parts->nodes.n_local(), 0);
+  constrained[1] = 1;
+  this->system = this->block->parts->make_system(constrained);
+  TpetraVector vector(this->system->graph().row_map);
+  vector.putScalar(1.);
+  this->system->zero_constrained(vector);
+  const auto view = vector.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t dof = 0; dof < view.extent(0); ++dof)
+    ASSERT_EQ(view(dof, 0), dof == 1 ? 0. : 1.);
+}
+
+TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
+{
+  // one spring at a place inside the first particle's pattern: force = -k (weighted displacement)
+  constexpr int dim = TypeParam::value;
+  this->use(MaterialType::elastic);
+  const auto nodes = on_host(this->block->parts->stencils.pattern_nodes);
+  PointForces points;
+  points.nodes = {nodes(0), nodes(1), nodes(2)};
+  points.weights = {0.5, 0.3, 0.2};
+  points.begin = {0, 3};
+  points.tangent.assign(9, 0.);
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int j = 0; j < dim; ++j)
+      points.tangent[3 * i + j] = -1. - i - 2. * j;
+  this->system->clear_matrix();
+  add_point_tangents(points, -1., this->system->graph(), this->system->values());
+  this->system->finish_matrix();
+
+  const auto field = this->block->random_field(1., 3);
+  points.force.assign(3, 0.);
+  const NodalVector local = this->system->spread(this->block->parts->owned(*this->system, field));
+  const auto d = on_host(local);
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int j = 0; j < dim; ++j)
+      for (unsigned int v = 0; v < 3; ++v)
+        points.force[i] += points.tangent[3 * i + j] * points.weights[v] * d(dim * points.nodes[v] + j);
+  const NodalVector force = this->system->make_nodal_vector();
+  add_point_forces(dim, points, -1., force);
+  TpetraVector expected(this->system->graph().row_map);
+  this->system->collect(force, expected);
+  expected.update(-1., this->times(this->block->parts->owned(*this->system, field)), 1.);
+  EXPECT_LT(expected.normInf(), 1e-13);
+  double sum = 0.;
+  for (std::size_t v = 0; v < on_host(force).extent(0) / dim; ++v)
+    sum += on_host(force)(dim * v);
+  EXPECT_NEAR(sum, -points.force[0], 1e-13);
+}

@@ -1,0 +1,285 @@
+#include "../mesh/refined_mesh.h"
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <kedge/basis/gimp.h>
+#include <map>
+
+using namespace kedge;
+
+namespace
+{
+/// Boxes on a refined mesh, centred in this rank's cells and no wider than the cell of their centre.
+template <typename Dimension> class Gimp : public testing::Test, public test::RefinedMesh<Dimension::value>
+{
+public:
+  static constexpr int dim = Dimension::value;
+  using Point = std::array<double, dim>;
+  struct Box
+  {
+    Point centre, half_width;
+  };
+
+  const LeafTable<dim>& table() const { return this->mesh.leaves(); }
+
+  std::vector<Box> random_boxes(const unsigned int per_leaf) const
+  {
+    test::RankRandom random(3);
+    std::vector<Box> boxes;
+    for (const auto& leaf : table().leaves)
+      for (unsigned int n = 0; leaf.owned && n < per_leaf; ++n)
+      {
+        Box box;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          box.centre[d] = leaf.lower[d] + leaf.size * random(0., 1.);
+          box.half_width[d] = 0.5 * leaf.size * random(0.01, 1.);
+        }
+        boxes.push_back(box);
+      }
+    return boxes;
+  }
+
+  Box clip(const Box& box) const
+  {
+    Box clipped;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double low = std::max(0., box.centre[d] - box.half_width[d]);
+      const double high = std::min(this->mesh.layout().extent(d), box.centre[d] + box.half_width[d]);
+      clipped.centre[d] = 0.5 * (low + high);
+      clipped.half_width[d] = 0.5 * (high - low);
+    }
+    return clipped;
+  }
+
+  std::vector<NodeShare<dim>> average(const Box& box) const
+  {
+    BoxAverage<dim> average(table());
+    average.find_overlaps(box.centre, box.half_width);
+    return average.average();
+  }
+
+  /// Largest difference of values, and of gradients times a length, between two sets of shares.
+  double difference(const std::vector<NodeShare<dim>>& a, const std::vector<NodeShare<dim>>& b,
+                    const double length) const
+  {
+    std::map<unsigned int, std::array<double, dim + 1>> sums;
+    for (const double sign : {1., -1.})
+      for (const NodeShare<dim>& share : sign > 0. ? a : b)
+      {
+        auto& sum = sums[share.node];
+        sum[dim] += sign * share.value;
+        for (unsigned int d = 0; d < dim; ++d)
+          sum[d] += sign * length * share.gradient[d];
+      }
+    double largest = 0.;
+    for (const auto& [node, sum] : sums)
+      for (const double entry : sum)
+        largest = std::max(largest, std::abs(entry));
+    return largest;
+  }
+
+  /// Largest over all boxes of all ranks of a number per box.
+  template <typename Error> double worst(const Error& error) const
+  {
+    double largest = 0.;
+    for (const Box& box : random_boxes(20))
+      largest = std::max(largest, error(box, average(box)));
+    return max_over_ranks(largest, MPI_COMM_WORLD);
+  }
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(Gimp, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(Gimp, ValuesSumToOne)
+{
+  EXPECT_LT(this->worst(
+                [](const auto&, const auto& shares)
+                {
+                  double sum = -1.;
+                  for (const auto& share : shares)
+                    sum += share.value;
+                  return std::abs(sum);
+                }),
+            1e-12);
+}
+
+TYPED_TEST(Gimp, GradientsSumToZero)
+{
+  EXPECT_LT(this->worst(
+                [](const auto& box, const auto& shares)
+                {
+                  double largest = 0.;
+                  for (unsigned int d = 0; d < TypeParam::value; ++d)
+                  {
+                    double sum = 0.;
+                    for (const auto& share : shares)
+                      sum += share.gradient[d] * box.half_width[d];
+                    largest = std::max(largest, std::abs(sum));
+                  }
+                  return largest;
+                }),
+            1e-12);
+}
+
+TYPED_TEST(Gimp, PositionsAverageToTheCentreOfTheClippedBox)
+{
+  EXPECT_LT(this->worst(
+                [&](const auto& box, const auto& shares)
+                {
+                  double largest = 0.;
+                  for (unsigned int d = 0; d < TypeParam::value; ++d)
+                  {
+                    double sum = -this->clip(box).centre[d];
+                    for (const auto& share : shares)
+                      sum += share.value * this->table().node_position[share.node][d];
+                    largest = std::max(largest, std::abs(sum));
+                  }
+                  return largest;
+                }),
+            1e-12);
+}
+
+TYPED_TEST(Gimp, PositionsHaveTheIdentityAsGradient)
+{
+  EXPECT_LT(this->worst(
+                [&](const auto&, const auto& shares)
+                {
+                  double largest = 0.;
+                  for (unsigned int i = 0; i < TypeParam::value; ++i)
+                    for (unsigned int j = 0; j < TypeParam::value; ++j)
+                    {
+                      double sum = i == j ? -1. : 0.;
+                      for (const auto& share : shares)
+                        sum += this->table().node_position[share.node][i] * share.gradient[j];
+                      largest = std::max(largest, std::abs(sum));
+                    }
+                  return largest;
+                }),
+            1e-12);
+}
+
+TYPED_TEST(Gimp, HangingNodesNeverAppear)
+{
+  // A hanging node lies in the closure of a leaf without being one of its corners.
+  constexpr int dim = TypeParam::value;
+  std::vector<unsigned char> hangs(this->table().node_position.size(), 0);
+  for (std::size_t node = 0; node < hangs.size(); ++node)
+    for (const auto& leaf : this->table().leaves)
+    {
+      bool touches = true, corner = true;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double offset = (this->table().node_position[node][d] - leaf.lower[d]) / leaf.size;
+        touches = touches && offset > -1e-9 && offset < 1. + 1e-9;
+        corner = corner && (std::abs(offset) < 1e-9 || std::abs(offset - 1.) < 1e-9);
+      }
+      hangs[node] |= touches && !corner;
+    }
+  EXPECT_EQ(this->worst(
+                [&](const auto&, const auto& shares) {
+                  return std::any_of(shares.begin(), shares.end(), [&](const auto& share) { return hangs[share.node]; })
+                             ? 1.
+                             : 0.;
+                }),
+            0.);
+}
+
+TYPED_TEST(Gimp, ChangesContinuouslyAsABoxSlidesAcrossAFace)
+{
+  // both sides of the box and its centre are carried across the lower face of its leaf, along each axis
+  constexpr int dim = TypeParam::value;
+  constexpr double hair = 1e-8;
+  test::RankRandom random(4);
+  double largest = 0.;
+  for (const auto& leaf : this->table().leaves)
+    for (unsigned int axis = 0; leaf.owned && axis < dim; ++axis)
+      for (const double side : {-1., 0., 1.})
+      {
+        if (leaf.lower[axis] == 0.)
+          continue; // a clipped box keeps one side where it is
+        typename TestFixture::Box box;
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          box.half_width[d] = 0.25 * leaf.size * random(0.5, 1.);
+          box.centre[d] = leaf.lower[d] + leaf.size * random(0.3, 0.7);
+        }
+        box.centre[axis] = leaf.lower[axis] - side * box.half_width[axis] - 0.5 * hair * leaf.size;
+        const auto before = this->average(box);
+        box.centre[axis] += hair * leaf.size;
+        largest = std::max(largest, this->difference(before, this->average(box), leaf.size));
+      }
+  EXPECT_LT(max_over_ranks(largest, MPI_COMM_WORLD), 20. * hair);
+}
+
+TYPED_TEST(Gimp, ABoxThatPokesOutOfTheGridIsClipped)
+{
+  EXPECT_LT(this->worst(
+                [&](const auto& box, const auto& shares) {
+                  return this->difference(shares, this->average(this->clip(box)), 1e-2 * this->mesh.layout().base_size);
+                }),
+            1e-12);
+}
+
+TYPED_TEST(Gimp, ABoxBesideTheGridHasNoOverlaps)
+{
+  constexpr int dim = TypeParam::value;
+  std::array<double, dim> centre, half_width;
+  centre.fill(0.1);
+  half_width.fill(0.05);
+  centre[dim - 1] = -0.05 - 1e-9;
+  EXPECT_TRUE(BoxAverage<dim>(this->table()).find_overlaps(centre, half_width).empty());
+}
+
+TYPED_TEST(Gimp, ABoxWithinItsLeafSeesTheShapeFunctionsAtItsCentre)
+{
+  constexpr int dim = TypeParam::value;
+  EXPECT_LT(this->worst(
+                [&](const auto& box, const auto&)
+                {
+                  const int leaf = this->table().find_leaf(box.centre);
+                  auto small = box;
+                  for (unsigned int d = 0; d < dim; ++d)
+                  {
+                    const auto& cell = this->table().leaves[leaf];
+                    const double to_face =
+                        std::min(box.centre[d] - cell.lower[d], cell.lower[d] + cell.size - box.centre[d]);
+                    small.half_width[d] = std::min(box.half_width[d], 0.9 * to_face);
+                  }
+                  std::vector<NodeShare<dim>> shape;
+                  add_leaf_shape<dim>(this->table(), leaf, box.centre, 1., shape);
+                  return this->difference(this->average(small), shape, 1e-2);
+                }),
+            1e-12);
+}
+
+TEST(GimpOnRegularCells, ABoxEndingOnAFaceActivatesNoSlivers)
+{
+  // 0.1 is no binary number: the sides of the boxes miss the faces by round-off
+  for (const double size : {0.1, 0.3, 0.7})
+  {
+    BackgroundMesh<3> mesh(MPI_COMM_SELF, test::make_brick<3>({{7, 5, 3}}, size));
+    BoxAverage<3> box(mesh.leaves());
+    for (unsigned int i = 0; i < 14; ++i)
+      for (unsigned int j = 0; j < 10; ++j)
+        for (unsigned int k = 0; k < 6; ++k)
+        {
+          const double spacing = size / 2.;
+          EXPECT_EQ(box.find_overlaps({{spacing * (i + 0.5), spacing * (j + 0.5), spacing * (k + 0.5)}},
+                                      {{0.5 * spacing, 0.5 * spacing, 0.5 * spacing}})
+                        .size(),
+                    1u);
+          EXPECT_EQ(box.average().size(), 8u);
+        }
+  }
+}
+
+TEST(GimpOnRegularCells, ABoxAcrossAllFacesSees27Nodes)
+{
+  BackgroundMesh<3> mesh(MPI_COMM_SELF, test::make_brick<3>({{3, 3, 3}}, 0.1));
+  BoxAverage<3> box(mesh.leaves());
+  EXPECT_EQ(box.find_overlaps({{0.11, 0.12, 0.13}}, {{0.035, 0.035, 0.035}}).size(), 8u);
+  EXPECT_EQ(box.average().size(), 27u);
+}

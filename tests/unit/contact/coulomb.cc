@@ -1,0 +1,190 @@
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+#include <kedge/contact/coulomb.h>
+#include <random>
+#include <string>
+
+using namespace kedge;
+
+namespace
+{
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// A soil point against the plane z = 0, a concave edge along t, or a vertex, both at the origin, with a body at rest.
+struct Body
+{
+  std::string name;
+  int held; ///< directions that the closest point cannot follow: 1 face, 2 edge, 3 vertex
+
+  ContactGeometry at(const Vector3d& x, const Vector3d& start, const double reference) const
+  {
+    const Vector3d edge = Vector3d(1., 2., 0.5).normalized();
+    ContactGeometry geometry;
+    geometry.slip = x - start;
+    if (held == 1)
+    {
+      geometry.normal = Vector3d::UnitZ();
+      geometry.distance = x[2];
+      geometry.normal_subspace = geometry.normal * geometry.normal.transpose();
+    }
+    else
+    {
+      geometry.normal_subspace = Matrix3d::Identity();
+      if (held == 2)
+        geometry.normal_subspace -= edge * edge.transpose();
+      const Vector3d offset = geometry.normal_subspace * x;
+      geometry.distance = -offset.norm();
+      geometry.normal = offset / geometry.distance;
+    }
+    geometry.gap = geometry.distance - reference;
+    return geometry;
+  }
+};
+
+std::ostream& operator<<(std::ostream& out, const Body& body) { return out << body.name; }
+
+class Coulomb : public testing::TestWithParam<Body>
+{
+public:
+  Vector3d random_vector(const double size)
+  {
+    std::uniform_real_distribution<double> uniform(-1., 1.);
+    return size * Vector3d(uniform(generator), uniform(generator), uniform(generator));
+  }
+
+  /// A point that presses: inside the half space, or anywhere near the edge or vertex.
+  Vector3d random_point()
+  {
+    Vector3d x = random_vector(1e-2);
+    if (GetParam().held == 1)
+      x[2] = -std::abs(x[2]) - 1e-4;
+    return x;
+  }
+
+  /// Largest difference between the tangent and differences of the force, over the normal stiffness; points whose
+  /// neighbours stick where they slip do not count.
+  double worst_tangent(const double friction, const double reference, const bool want_sliding)
+  {
+    const ContactStiffness stiffness{1e6, 5e5, friction};
+    double worst = 0.;
+    unsigned int compared = 0;
+    for (unsigned int n = 0; n < 1000; ++n)
+    {
+      const Vector3d x = random_point(), start = x + random_vector(5e-3);
+      const Vector3d previous = random_vector(1e3);
+      const auto respond = [&](const Vector3d& y)
+      { return respond_to_contact(GetParam().at(y, start, reference), stiffness, previous); };
+      const double step = 1e-5 * x.norm();
+      const ContactResponse response = respond(x);
+      if (!response.active || response.sliding != want_sliding || GetParam().at(x, start, 0.).distance > -1e-3)
+        continue;
+      Matrix3d differences;
+      bool smooth = true;
+      for (int j = 0; j < 3; ++j)
+      {
+        const ContactResponse ahead = respond(x + step * Vector3d::Unit(j)),
+                              behind = respond(x - step * Vector3d::Unit(j));
+        smooth = smooth && ahead.active && behind.active && ahead.sliding == response.sliding &&
+                 behind.sliding == response.sliding;
+        differences.col(j) = (ahead.force - behind.force) / (2. * step);
+      }
+      if (!smooth)
+        continue;
+      ++compared;
+      worst = std::max(worst, (response.tangent - differences).lpNorm<Eigen::Infinity>() / stiffness.normal);
+    }
+    EXPECT_GT(compared, 100u);
+    return worst;
+  }
+
+private:
+  std::mt19937 generator{1};
+};
+
+INSTANTIATE_TEST_SUITE_P(, Coulomb, testing::Values(Body{"face", 1}, Body{"edge", 2}, Body{"vertex", 3}),
+                         [](const auto& info) { return info.param.name; });
+} // namespace
+
+TEST_P(Coulomb, TangentWithoutFriction) { EXPECT_LT(worst_tangent(0., 0., false), 1e-6); }
+
+TEST_P(Coulomb, TangentWithAReferenceGap) { EXPECT_LT(worst_tangent(0., -5e-4, false), 1e-6); }
+
+TEST_P(Coulomb, TangentInStick) { EXPECT_LT(worst_tangent(10., 0., false), 1e-6); }
+
+TEST_P(Coulomb, TangentInSlip) { EXPECT_LT(worst_tangent(0.3, 0., true), 1e-6); }
+
+TEST_P(Coulomb, ForceStaysInTheFrictionCone)
+{
+  const ContactStiffness stiffness{1e6, 5e5, 0.4};
+  for (unsigned int n = 0; n < 1000; ++n)
+  {
+    const Vector3d x = random_point();
+    const ContactGeometry geometry = GetParam().at(x, x + random_vector(1e-2), 0.);
+    const ContactResponse response = respond_to_contact(geometry, stiffness, random_vector(1e4));
+    const double pressure = response.force.dot(geometry.normal);
+    EXPECT_NEAR(pressure, -stiffness.normal * geometry.gap, 1e-12 * pressure);
+    EXPECT_LE(response.tangential.norm(), 0.4 * pressure * (1. + 1e-12));
+    EXPECT_NEAR(response.tangential.dot(geometry.normal), 0., 1e-12 * pressure);
+    EXPECT_LT((response.force - pressure * geometry.normal - response.tangential).norm(), 1e-12 * pressure);
+  }
+}
+
+TEST_P(Coulomb, SlidingForceOpposesTheSlip)
+{
+  const ContactStiffness stiffness{1e6, 5e5, 0.01};
+  for (unsigned int n = 0; n < 100; ++n)
+  {
+    const Vector3d x = random_point();
+    const ContactGeometry geometry = GetParam().at(x, x + random_vector(1e-2), 0.);
+    const ContactResponse response = respond_to_contact(geometry, stiffness, Vector3d::Zero());
+    if (response.sliding)
+    {
+      EXPECT_LT(response.force.dot(geometry.slip - geometry.slip.dot(geometry.normal) * geometry.normal), 0.);
+    }
+  }
+}
+
+TEST(CoulombLaw, NothingActsAcrossAGap)
+{
+  const Body face{"face", 1};
+  for (const double gap : {0., 1e-12, 1.})
+  {
+    const ContactResponse response =
+        respond_to_contact(face.at({0., 0., gap}, {1., 0., gap}, 0.), {1e6, 5e5, 0.4}, {1., 2., 3.});
+    EXPECT_FALSE(response.active);
+    EXPECT_EQ(response.force.norm(), 0.);
+    EXPECT_EQ(response.tangential.norm(), 0.);
+    EXPECT_EQ(response.tangent.norm(), 0.);
+  }
+}
+
+TEST(CoulombLaw, StickAddsToWhatWasThere)
+{
+  const Body face{"face", 1};
+  const ContactResponse response =
+      respond_to_contact(face.at({1e-3, 0., -1e-2}, {0., 0., -1e-2}, 0.), {1e6, 5e5, 0.4}, {0., 200., 0.});
+  EXPECT_FALSE(response.sliding);
+  EXPECT_NEAR(response.force[0], -500., 1e-9);
+  EXPECT_NEAR(response.force[1], 200., 1e-9);
+  EXPECT_NEAR(response.force[2], 1e4, 1e-9);
+}
+
+TEST(CoulombLaw, SlipIsReachedAtTheConesEdge)
+{
+  const Body face{"face", 1};
+  const ContactStiffness stiffness{1e6, 5e5, 0.4}; // 4 kN at a gap of -1 cm: 8 mm of slip
+  EXPECT_FALSE(
+      respond_to_contact(face.at({7.99e-3, 0., -1e-2}, {0., 0., -1e-2}, 0.), stiffness, Vector3d::Zero()).sliding);
+  EXPECT_TRUE(
+      respond_to_contact(face.at({8.01e-3, 0., -1e-2}, {0., 0., -1e-2}, 0.), stiffness, Vector3d::Zero()).sliding);
+}
+
+TEST(CoulombLaw, AReferenceGapMovesTheSurface)
+{
+  const Body face{"face", 1};
+  EXPECT_FALSE(respond_to_contact(face.at({0., 0., -1e-2}, {0., 0., -1e-2}, -1e-2), {1e6, 5e5, 0.4}, {}).active);
+  EXPECT_NEAR(
+      respond_to_contact(face.at({0., 0., -1.1e-2}, {0., 0., 0.}, -1e-2), {1e6, 5e5, 0.}, Vector3d::Zero()).force[2],
+      1e3, 1e-9);
+}

@@ -1,0 +1,135 @@
+// A flat box pressed into the surface of a block of soil.
+#pragma once
+
+#include "../bodies/shapes.h"
+#include "../mesh/refined_mesh.h"
+#include "../on_host.h"
+#include <kedge/basis/active_nodes.h>
+#include <kedge/contact/contact.h>
+#include <kedge/particles/generation.h>
+
+namespace kedge::test
+{
+/// Soil of 4 (by 4) by 2 cells of 0.5 m with 2 particles per axis, its surface at 1 m. The box covers the middle of the
+/// surface from 0.4 to 1.6 m along each horizontal axis; corners of particles lie at multiples of 0.25 m.
+template <int dim> struct PressedBlock
+{
+  static constexpr double young = 1e7, spacing = 0.25;
+  using Position = std::array<double, dim>;
+
+  /// `depth`: how far the lower face of the box lies below the surface, m.
+  PressedBlock(const double friction, const double depth)
+      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(contact_parameters(friction), MPI_COMM_WORLD)
+  {
+    MaterialPointParameters parameters;
+    Layer layer;
+    layer.thickness = 1.;
+    layer.material.young = young;
+    layer.material.density = 2000.;
+    parameters.layers = {layer};
+    generate_particles(particles, mesh, parameters, 10.);
+    particles.balance_load(mesh, 20.);
+    particles.load();
+    // y = 0 is far from the ends of the plane's box
+    const double back = dim == 3 ? -0.6 : -50., front = dim == 3 ? 0.6 : 50.;
+    bodies.points.emplace_back();
+    bodies.points[0].pose.position = {1., dim == 3 ? 1. : 0., 1. - depth};
+    bodies.surfaces.push_back({Surface(box({-0.6, back, 0.}, {0.6, front, 1.})), 0});
+  }
+
+  static GridLayout<dim> layout()
+  {
+    std::array<unsigned int, dim> cells;
+    cells.fill(4);
+    return make_brick<dim>(cells, 0.5, 0.5);
+  }
+
+  static ContactParameters contact_parameters(const double friction)
+  {
+    ContactParameters parameters;
+    parameters.friction_coefficient = friction;
+    return parameters;
+  }
+
+  /// N/m of one corner under the default penalty factors.
+  static double normal_stiffness() { return 50. * young * std::pow(spacing, dim - 2) * (dim == 3 ? 0.25 : 0.5); }
+  static double tangential_stiffness() { return 0.5 * normal_stiffness(); }
+
+  /// Corners under the box: five places along each horizontal axis, each shared by two particles.
+  static unsigned int n_corners() { return dim == 3 ? 100 : 10; }
+
+  void find_pairs(const double reach = 0.)
+  {
+    const LeafTable<dim>& table = mesh.leaves();
+    HostStencils host =
+        build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(), false);
+    std::vector<unsigned char> used(table.node_ids.size(), 0);
+    for (const unsigned int node : host.pattern_nodes)
+      used[node] = 1;
+    nodes = number_active_nodes<dim>(table, used, MPI_COMM_WORLD);
+    const auto volume = on_host(particles.arrays().initial_volume), stiffness = on_host(particles.arrays().young);
+    const std::vector<double> volumes(volume.data(), volume.data() + volume.extent(0));
+    const std::vector<double> moduli(stiffness.data(), stiffness.data() + stiffness.extent(0));
+    contact.find_pairs(bodies, table,
+                       {particles.positions(), particles.half_widths(), particles.ids(), volumes, moduli}, nodes.number,
+                       reach);
+  }
+
+  const Position& node_position(const unsigned int v) const { return mesh.leaves().node_position[nodes.mesh_node[v]]; }
+
+  /// Evaluates for a displacement field of the soil and an increment of the box.
+  template <typename Field>
+  const PointForces& evaluate(const Field& field, const Vector6& box_increment = Vector6::Zero())
+  {
+    increment.assign(dim * nodes.n_local(), 0.);
+    for (unsigned int v = 0; v < nodes.n_local(); ++v)
+      for (unsigned int d = 0; d < dim; ++d)
+        increment[dim * v + d] = field(node_position(v), d);
+    box_increments = {box_increment};
+    return contact.evaluate(bodies, box_increments, increment.data());
+  }
+  const PointForces& evaluate_at_rest()
+  {
+    return evaluate([](const Position&, unsigned int) { return 0.; });
+  }
+
+  /// Force and moment of the soil on the box in the last evaluation.
+  Vector6 load() const { return contact.loads(bodies, box_increments)[0]; }
+
+  /// Moves soil and box by the same displacement.
+  void move_everything(const Position& displacement, const Vector6& box_increment)
+  {
+    ParticleIncrements increments;
+    increments.displacement = View<double* [3]>("displacement", particles.ids().size());
+    increments.deformation_gradient = View<double* [9]>("dF", particles.ids().size());
+    const auto u = Kokkos::create_mirror_view(increments.displacement);
+    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
+    for (std::size_t p = 0; p < particles.ids().size(); ++p)
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        u(p, d) = d < dim ? displacement[d] : 0.;
+        f(p, 4 * d) = 1.;
+      }
+    Kokkos::deep_copy(increments.displacement, u);
+    Kokkos::deep_copy(increments.deformation_gradient, f);
+    particles.commit(increments, DomainUpdate::none);
+    particles.load();
+    bodies.points[0].pose = bodies.points[0].pose.moved(box_increment);
+  }
+
+  BackgroundMesh<dim> mesh;
+  ParticleSet<dim> particles;
+  Contact<dim> contact;
+  RigidSystems bodies;
+  ActiveNodes nodes;
+  std::vector<double> increment;
+  std::vector<Vector6> box_increments;
+};
+
+inline Vector6 translation(const double x, const double y, const double z)
+{
+  Vector6 increment = Vector6::Zero();
+  increment.head<3>() << x, y, z;
+  return increment;
+}
+} // namespace kedge::test

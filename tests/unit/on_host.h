@@ -1,0 +1,12 @@
+#pragma once
+
+#include <kedge/base/kokkos.h>
+
+namespace kedge::test
+{
+/// What a view on the device holds, for tests to look at.
+template <typename DeviceView> auto on_host(const DeviceView& view)
+{
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+} // namespace kedge::test

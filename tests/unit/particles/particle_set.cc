@@ -1,0 +1,320 @@
+#include "../mesh/refined_mesh.h"
+#include "../on_host.h"
+#include <Eigen/Core>
+#include <gtest/gtest.h>
+#include <kedge/particles/generation.h>
+#include <set>
+
+using namespace kedge;
+using test::on_host;
+
+namespace
+{
+/// Two layers in a block of 4 (by 3) by 2.75 m, cells of 0.5 m, the interface within a row.
+template <typename Dimension> class Particles : public testing::Test
+{
+public:
+  static constexpr int dim = Dimension::value;
+  static constexpr double interface = 2.15, top = 2.75, gravity = 10.;
+
+  Particles() : mesh(MPI_COMM_WORLD, layout()), particles(mesh)
+  {
+    parameters.layers = {layer(0.6, 1500., 2e6), layer(2.15, 2000., 1e7)};
+    parameters.layers[1].material.overburden = Overburden{1e4, 0.5};
+    parameters.K0 = 0.4;
+    generate_particles(particles, mesh, parameters, gravity);
+    particles.balance_load(mesh, 20.);
+    particles.load();
+  }
+
+  static GridLayout<dim> layout()
+  {
+    std::array<unsigned int, dim> cells;
+    cells.fill(6);
+    cells[0] = 8;
+    cells[dim - 1] = 8;
+    GridLayout<dim> grid = test::make_brick<dim>(cells, 0.5);
+    grid.soil_extent[dim - 1] = top;
+    return grid;
+  }
+
+  static Layer layer(const double thickness, const double density, const double young)
+  {
+    Layer layer;
+    layer.thickness = thickness;
+    layer.material.density = density;
+    layer.material.young = young;
+    layer.material.poisson = 0.25;
+    return layer;
+  }
+
+  double plan_area() const { return dim == 3 ? 4. * 3. : 4.; }
+
+  double sum(const kedge::View<double*>& view) const
+  {
+    double sum = 0.;
+    for (std::size_t p = 0; p < particles.ids().size(); ++p)
+      sum += on_host(view)(p);
+    return sum_over_ranks(sum, MPI_COMM_WORLD);
+  }
+
+  double overburden(const double z) const
+  {
+    return z > interface ? 1500. * gravity * (top - z)
+                         : 1500. * gravity * (top - interface) + 2000. * gravity * (interface - z);
+  }
+
+  /// A trial state for commit(): displacement and diagonal dF by particle number.
+  template <typename Displacement>
+  ParticleIncrements increments(const Displacement& displacement, const double stretch = 1.) const
+  {
+    ParticleIncrements result;
+    result.displacement = kedge::View<double* [3]>("displacement", particles.ids().size());
+    result.deformation_gradient = kedge::View<double* [9]>("dF", particles.ids().size());
+    const auto u = Kokkos::create_mirror_view(result.displacement);
+    const auto f = Kokkos::create_mirror_view(result.deformation_gradient);
+    for (std::size_t p = 0; p < particles.ids().size(); ++p)
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        u(p, d) = d < dim ? displacement(particles.ids()[p], d) : 0.;
+        f(p, 4 * d) = d == 0 ? stretch : 1.;
+      }
+    Kokkos::deep_copy(result.displacement, u);
+    Kokkos::deep_copy(result.deformation_gradient, f);
+    return result;
+  }
+
+  std::vector<long long> all_ids() const
+  {
+    std::vector<long long> ids = gather_everywhere(particles.ids(), MPI_COMM_WORLD);
+    std::sort(ids.begin(), ids.end());
+    return ids;
+  }
+
+  BackgroundMesh<dim> mesh;
+  ParticleSet<dim> particles;
+  MaterialPointParameters parameters;
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(Particles, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(Particles, FillTheBlockExactly)
+{
+  const double volume = this->plan_area() * this->top;
+  EXPECT_NEAR(this->sum(this->particles.arrays().initial_volume), volume, 1e-12 * volume);
+}
+
+TYPED_TEST(Particles, WeighWhatTheLayersWeigh)
+{
+  const double mass = this->plan_area() * (0.6 * 1500. + 2.15 * 2000.);
+  EXPECT_NEAR(this->sum(this->particles.arrays().mass), mass, 1e-12 * mass);
+}
+
+TYPED_TEST(Particles, HaveNumbersOfTheirOwn)
+{
+  const std::vector<long long> ids = this->all_ids();
+  EXPECT_EQ(static_cast<long long>(ids.size()), this->particles.n_global());
+  EXPECT_EQ(std::set<long long>(ids.begin(), ids.end()).size(), ids.size());
+}
+
+TYPED_TEST(Particles, StayWithinTheirLayer)
+{
+  constexpr unsigned int vertical = TypeParam::value - 1;
+  const auto layer = on_host(this->particles.arrays().layer);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+  {
+    const double z = this->particles.positions()[p][vertical], half = this->particles.half_widths()[p][vertical];
+    if (layer(p) == 0)
+    {
+      ASSERT_GE(z - half, this->interface - 1e-12);
+    }
+    else
+    {
+      ASSERT_LE(z + half, this->interface + 1e-12);
+    }
+  }
+}
+
+TYPED_TEST(Particles, StandUnderTheOverburdenAndK0TimesIt)
+{
+  constexpr unsigned int vertical = TypeParam::value - 1;
+  const auto stress = on_host(this->particles.arrays().trial_stress);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+  {
+    const double expected = -this->overburden(this->particles.positions()[p][vertical]);
+    for (unsigned int d = 0; d < 6; ++d)
+      ASSERT_NEAR(stress(p, d), expected * (d == vertical ? 1. : d < 3 ? 0.4 : 0.), -1e-12 * expected);
+  }
+}
+
+TYPED_TEST(Particles, HaveTheElasticStrainOfTheirStress)
+{
+  const auto strain = on_host(this->particles.arrays().trial_strain),
+             stress = on_host(this->particles.arrays().trial_stress);
+  const auto young = on_host(this->particles.arrays().young);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+    for (unsigned int d = 0; d < 3; ++d)
+    {
+      const double trace = strain(p, 0) + strain(p, 1) + strain(p, 2); // lame = shear = 0.4 E for nu = 0.25
+      ASSERT_NEAR(0.4 * young(p) * (trace + 2. * strain(p, d)), stress(p, d), 1e-9);
+    }
+}
+
+TYPED_TEST(Particles, StiffenWithTheOverburden)
+{
+  const auto young = on_host(this->particles.arrays().young);
+  const auto layer = on_host(this->particles.arrays().layer);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+  {
+    const double sigma = this->overburden(this->particles.positions()[p][TypeParam::value - 1]);
+    ASSERT_NEAR(young(p), layer(p) == 0 ? 2e6 : 1e7 * std::sqrt(sigma / 1e4), 1e-4);
+  }
+}
+
+TYPED_TEST(Particles, MoveByTheirDisplacementAcrossCellsAndRanks)
+{
+  // almost a cell along, less across
+  const auto displacement = [](const long long id, const unsigned int d)
+  { return d == 0 ? 0.45 * test::noise(id, 0) : 0.4 * (test::noise(id, d) - 0.5); };
+  const auto start_of = [&](const auto& particle)
+  { return Eigen::Map<const Eigen::Vector3d>(particle.get_properties().data() + field::initial_position); };
+  const auto left = [&](const auto& start, const long long id)
+  {
+    bool outside = false;
+    for (unsigned int d = 0; d < TypeParam::value; ++d)
+    {
+      const double x = start[d] + displacement(id, d);
+      outside = outside || x < 0. || x > this->mesh.layout().extent(d);
+    }
+    return outside;
+  };
+  const long long before = this->particles.n_global();
+  long long expected_to_leave = 0;
+  for (const auto& particle : this->particles.handler())
+    expected_to_leave += left(start_of(particle), particle.get_id());
+  expected_to_leave = sum_over_ranks(expected_to_leave, MPI_COMM_WORLD);
+  ASSERT_GT(expected_to_leave, 0);
+
+  this->particles.commit(this->increments(displacement), DomainUpdate::none);
+  this->particles.load();
+  EXPECT_EQ(this->particles.n_lost(), expected_to_leave);
+  EXPECT_EQ(this->particles.n_global(), before - expected_to_leave);
+  const std::vector<long long> ids = this->all_ids();
+  EXPECT_EQ(std::set<long long>(ids.begin(), ids.end()).size(), ids.size());
+  for (const auto& particle : this->particles.handler())
+    for (unsigned int d = 0; d < TypeParam::value; ++d)
+      ASSERT_NEAR(particle.get_location()[d], start_of(particle)[d] + displacement(particle.get_id(), d), 1e-14);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+  {
+    const auto& leaf = this->mesh.leaves().leaves[this->particles.leaves()[p]];
+    ASSERT_TRUE(leaf.owned);
+    for (unsigned int d = 0; d < TypeParam::value; ++d)
+    {
+      ASSERT_GE(this->particles.positions()[p][d], leaf.lower[d] - 1e-12);
+      ASSERT_LE(this->particles.positions()[p][d], leaf.lower[d] + leaf.size + 1e-12);
+    }
+  }
+}
+
+TYPED_TEST(Particles, AreCountedAsLostWhereTheyJumpTooFar)
+{
+  // two cells: past the ghost cells on several ranks
+  const long long before = this->particles.n_global();
+  this->particles.commit(this->increments([](long long, const unsigned int d) { return d == 0 ? 1. : 0.; }),
+                         DomainUpdate::none);
+  EXPECT_GE(this->particles.n_lost(), before / 4);
+  EXPECT_EQ(this->particles.n_global() + this->particles.n_lost(), before);
+}
+
+TYPED_TEST(Particles, KeepTheirMassWhenTheyChangeRanks)
+{
+  const double mass = this->sum(this->particles.arrays().mass);
+  const std::vector<long long> ids = this->all_ids();
+  for (const double sign : {1., -1.})
+  {
+    this->particles.commit(this->increments([&](const long long id, const unsigned int d)
+                                            { return d == 0 ? sign * 0.12 * test::noise(id, 0) : 0.; }),
+                           DomainUpdate::none);
+    this->particles.balance_load(this->mesh, 50.);
+    this->particles.load();
+  }
+  EXPECT_NEAR(this->sum(this->particles.arrays().mass), mass, 1e-12 * mass);
+  EXPECT_EQ(this->all_ids(), ids);
+}
+
+TYPED_TEST(Particles, CommitTheTrialState)
+{
+  const ParticleArrays& arrays = this->particles.arrays();
+  Kokkos::deep_copy(arrays.trial_stress, -7.);
+  Kokkos::deep_copy(arrays.trial_strain, 0.);
+  Kokkos::deep_copy(arrays.trial_plastic, 0.25);
+  const auto none = [](long long, unsigned int) { return 0.; };
+  this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
+  this->particles.load();
+  const auto stress = on_host(this->particles.arrays().trial_stress);
+  const auto b = on_host(this->particles.arrays().elastic_left_cauchy_green);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+    for (unsigned int i = 0; i < 6; ++i)
+    {
+      ASSERT_EQ(stress(p, i), -7.);
+      ASSERT_NEAR(b(p, i), i < 3 ? 1. : 0., 1e-15);
+    }
+  Kokkos::deep_copy(this->particles.arrays().trial_plastic, 0.5);
+  this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
+  for (const auto& particle : this->particles.handler())
+  {
+    ASSERT_EQ(particle.get_properties()[field::plastic_strain], 0.75);
+    ASSERT_NEAR(particle.get_properties()[field::deformation_gradient], 1.21, 1e-14);
+    ASSERT_EQ(particle.get_properties()[field::half_width], particle.get_properties()[field::initial_half_width]);
+  }
+}
+
+TYPED_TEST(Particles, StretchTheirDomainsUpToTheCap)
+{
+  const auto none = [](long long, unsigned int) { return 0.; };
+  const auto ratio = [&](const unsigned int axis)
+  {
+    const auto& particle = *this->particles.handler().begin();
+    return particle.get_properties()[field::half_width + axis] /
+           particle.get_properties()[field::initial_half_width + axis];
+  };
+  this->particles.commit(this->increments(none, 1.5), DomainUpdate::stretch);
+  EXPECT_NEAR(ratio(0), 1.5, 1e-14);
+  EXPECT_NEAR(ratio(TypeParam::value - 1), 1., 1e-14);
+  this->particles.commit(this->increments(none, 1.5), DomainUpdate::stretch); // 2.25
+  EXPECT_NEAR(ratio(0), 1.99, 1e-14);
+  this->particles.commit(this->increments(none, 0.4), DomainUpdate::stretch); // 0.9
+  EXPECT_NEAR(ratio(0), 0.9, 1e-14);
+}
+
+TYPED_TEST(Particles, AreRemovedWhereAConditionHolds)
+{
+  const long long before = this->particles.n_global();
+  const long long removed =
+      this->particles.remove_if([](const dealii::Point<TypeParam::value>& x) { return x[0] < 1.; });
+  this->particles.load();
+  EXPECT_EQ(removed, before / 4);
+  EXPECT_EQ(this->particles.n_global(), before - removed);
+  for (const auto& x : this->particles.positions())
+    ASSERT_GT(x[0], 1.);
+}
+
+TYPED_TEST(Particles, NoteTheirContactGaps)
+{
+  const long long marked = this->all_ids().front();
+  this->particles.set_contact_gaps({{marked, -0.25}});
+  for (const auto& particle : this->particles.handler())
+  {
+    const double gap = particle.get_properties()[field::contact_gap];
+    if (static_cast<long long>(particle.get_id()) == marked)
+    {
+      EXPECT_EQ(gap, -0.25);
+    }
+    else
+    {
+      ASSERT_TRUE(std::isnan(gap));
+    }
+  }
+}

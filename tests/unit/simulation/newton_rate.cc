@@ -1,0 +1,146 @@
+// Newton's method keeps its rate through plasticity and frictional contact: every tangent is the exact one.
+#include "../bodies/shapes.h"
+#include <cmath>
+#include <gtest/gtest.h>
+#include <kedge/particles/generation.h>
+#include <kedge/simulation/step_problem.h>
+
+using namespace kedge;
+
+namespace
+{
+/// Soil of 4 x 4 x 4 cells under its initial stress, and a box that is pushed into its surface in one step.
+struct Footing
+{
+  explicit Footing(const double friction)
+      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(contact_parameters(friction), MPI_COMM_WORLD)
+  {
+    input.gravity = {{0., 0., -9.81}};
+    input.contact = contact_parameters(friction);
+    input.solver.tolerance = 1e-11; // of the weight; round-off is near 1e-12
+    input.solver.ghost_factor = 0.;
+    input.solver.linear_solver = LinearSolverChoice::direct;
+    MaterialPointParameters& soil = input.material_points;
+    Layer layer;
+    layer.thickness = 1.;
+    layer.material.type = MaterialType::mohr_coulomb;
+    layer.material.young = 1e7;
+    layer.material.poisson = 0.3;
+    layer.material.density = 2000.;
+    layer.material.friction_angle = 30.;
+    layer.material.dilation_angle = 10.;
+    layer.material.cohesion = 1e4; // enough to keep away from the apex, whose tangent is stiffer than the exact one
+    soil.layers = {layer};
+    soil.K0 = 0.5;
+    stage.rigid_bodies = true;
+    const FaceCondition free = FaceCondition::free, roller = FaceCondition::roller, fixed = FaceCondition::fixed;
+    stage.boundary_conditions.min = {{roller, roller, fixed}};
+    stage.boundary_conditions.max = {{roller, roller, free}};
+
+    generate_particles(particles, mesh, soil, 9.81);
+    particles.load();
+    materials = Materials("materials", 1);
+    const auto host = Kokkos::create_mirror_view(materials);
+    host(0) = make_material(layer.material);
+    Kokkos::deep_copy(materials, host);
+
+    bodies.points.emplace_back();
+    bodies.points[0].pose.position = {0.5, 0.5, 1.};
+    bodies.surfaces.push_back({Surface(test::box({-0.2, -0.2, 0.}, {0.2, 0.2, 1.})), 0});
+  }
+
+  static GridLayout<3> layout()
+  {
+    GridLayout<3> grid;
+    grid.base_size = grid.finest_size = 0.25;
+    grid.base_cells = {{4, 4, 8}};
+    grid.soil_extent = {{1., 1., 1.}};
+    return grid;
+  }
+
+  static ContactParameters contact_parameters(const double friction)
+  {
+    ContactParameters parameters;
+    parameters.friction_coefficient = friction;
+    return parameters;
+  }
+
+  NewtonReport push(const Vector6& increment)
+  {
+    StepProblem<3> problem(input, stage, mesh, particles, materials, bodies, contact, timings);
+    StepProblem<3>::Load load;
+    load.body_increments = {increment};
+    return problem.solve(load, {});
+  }
+
+  long long count_yielding() const
+  {
+    const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), particles.arrays().trial_plastic);
+    long long n = 0;
+    for (std::size_t p = 0; p < plastic.extent(0); ++p)
+      n += plastic(p) > 1e-8;
+    return n;
+  }
+
+  Input input;
+  Stage stage;
+  BackgroundMesh<3> mesh;
+  ParticleSet<3> particles;
+  Contact<3> contact;
+  Materials materials;
+  RigidSystems bodies;
+  Timings timings;
+};
+
+Vector6 translation(const double x, const double y, const double z)
+{
+  Vector6 increment = Vector6::Zero();
+  increment.head<3>() << x, y, z;
+  return increment;
+}
+
+/// Once the sets of yielding particles and sliding corners have settled, each residual must be below a power of the
+/// last, down to round-off.
+void expect_quadratic(const NewtonReport& report)
+{
+  constexpr double settled = 1e-3, round_off = 1e-10;
+  ASSERT_TRUE(report.converged) << report.failure;
+  unsigned int compared = 0;
+  for (std::size_t k = 0; k + 1 < report.residuals.size(); ++k)
+    if (report.residuals[k] < settled)
+    {
+      ++compared;
+      EXPECT_LT(report.residuals[k + 1], std::max(round_off, 10. * std::pow(report.residuals[k], 1.8))) << "step " << k;
+    }
+  EXPECT_GT(compared, 0u);
+}
+} // namespace
+
+TEST(NewtonRate, IsQuadraticUnderASmoothFooting)
+{
+  Footing footing(0.);
+  expect_quadratic(footing.push(translation(0., 0., -1e-2)));
+  EXPECT_GT(footing.count_yielding(), 100);
+  EXPECT_EQ(footing.contact.n_active(), 16);
+}
+
+TEST(NewtonRate, IsQuadraticUnderARoughFooting)
+{
+  Footing footing(0.3);
+  expect_quadratic(footing.push(translation(0., 0., -1e-2)));
+  EXPECT_GT(footing.count_yielding(), 100);
+}
+
+TEST(NewtonRate, IsQuadraticUnderAFootingThatDragsTheSoil)
+{
+  Footing footing(1.);
+  expect_quadratic(footing.push(translation(1.5e-3, 5e-4, -3e-3)));
+  EXPECT_GT(footing.count_yielding(), 20);
+}
+
+TEST(NewtonRate, IsQuadraticUnderAFootingThatSlides)
+{
+  Footing footing(0.3);
+  expect_quadratic(footing.push(translation(1.5e-3, 5e-4, -3e-3)));
+  EXPECT_GT(footing.count_yielding(), 20);
+}

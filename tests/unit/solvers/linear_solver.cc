@@ -1,0 +1,209 @@
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <kedge/solvers/linear_solver.h>
+
+using namespace kedge;
+
+namespace
+{
+/// Three coupled seven-point Laplacians on a cube of n^3 nodes held at its boundary, with some convection so that the
+/// matrix is unsymmetric: block size 3, condition number growing with n^2.
+struct Cube
+{
+  explicit Cube(const unsigned int n, const double stiffness_of_last_node = 1.)
+  {
+    const long long n_nodes = static_cast<long long>(n) * n * n;
+    const auto communicator = Tpetra::getDefaultComm();
+    const long long first = n_nodes * communicator->getRank() / communicator->getSize();
+    const long long last = n_nodes * (communicator->getRank() + 1) / communicator->getSize();
+    map = Teuchos::rcp(new TpetraMap(3 * n_nodes, 3 * (last - first), 0, communicator));
+    matrix = Teuchos::rcp(new TpetraMatrix(map, 24));
+    for (long long node = first; node < last; ++node)
+    {
+      const std::array<long long, 3> x{{node % n, node / n % n, node / n / n}};
+      const std::array<long long, 3> stride{{1, n, static_cast<long long>(n) * n}};
+      const double scale = node == n_nodes - 1 ? stiffness_of_last_node : 1.;
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        insert(3 * node + d, 3 * node + d, scale * (6. + d));
+        insert(3 * node + d, 3 * node + (d + 1) % 3, scale * 0.3);
+        for (unsigned int axis = 0; axis < 3; ++axis)
+        {
+          if (x[axis] > 0)
+            insert(3 * node + d, 3 * (node - stride[axis]) + d, -1.1 * scale);
+          if (x[axis] + 1 < n)
+            insert(3 * node + d, 3 * (node + stride[axis]) + d, -0.9 * scale);
+        }
+      }
+      for (unsigned int d = 0; d < 3; ++d)
+        position.push_back(double(x[d]));
+    }
+    matrix->fillComplete();
+    right_side = Teuchos::rcp(new TpetraVector(map));
+    right_side->randomize();
+    solution = Teuchos::rcp(new TpetraVector(map));
+  }
+
+  void insert(const GlobalOrdinal row, const GlobalOrdinal column, const double value)
+  {
+    matrix->insertGlobalValues(row, Teuchos::tuple<GlobalOrdinal>(column), Teuchos::tuple<double>(value));
+  }
+
+  LinearReport solve(const SolverParameters& parameters, const double tolerance) const
+  {
+    LinearSolver solver(parameters, 3);
+    solver.set_structure(matrix, modes());
+    return solver.solve(*right_side, *solution, tolerance);
+  }
+
+  Teuchos::RCP<TpetraMultiVector> modes() const
+  {
+    return make_rigid_body_modes(map, 3, position, std::vector<unsigned char>(position.size(), 0));
+  }
+
+  double relative_residual() const
+  {
+    TpetraVector r(map);
+    matrix->apply(*solution, r);
+    r.update(1., *right_side, -1.);
+    return r.norm2() / right_side->norm2();
+  }
+
+  Teuchos::RCP<const TpetraMap> map;
+  Teuchos::RCP<TpetraMatrix> matrix;
+  Teuchos::RCP<TpetraVector> right_side, solution;
+  std::vector<double> position;
+};
+
+SolverParameters choose(const LinearSolverChoice choice)
+{
+  SolverParameters parameters;
+  parameters.linear_solver = choice;
+  return parameters;
+}
+} // namespace
+
+TEST(LinearSolver, FactorisesWhatIsSmall)
+{
+  const Cube cube(5);
+  const LinearReport report = cube.solve(SolverParameters(), 1e-3);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.method, "KLU2");
+  EXPECT_LT(cube.relative_residual(), 1e-12);
+}
+
+TEST(LinearSolver, IteratesOnWhatIsLarge)
+{
+  const Cube cube(10);
+  const LinearReport report = cube.solve(SolverParameters(), 1e-8);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.method, "GMRES");
+  EXPECT_EQ(report.escalations, 0u);
+  EXPECT_LT(cube.relative_residual(), 1e-8);
+}
+
+TEST(LinearSolver, MultigridKeepsTheIterationsAsTheGridGrows)
+{
+  const unsigned int few = Cube(10).solve(choose(LinearSolverChoice::iterative), 1e-8).iterations;
+  const unsigned int many = Cube(20).solve(choose(LinearSolverChoice::iterative), 1e-8).iterations;
+  EXPECT_LE(many, 2 * few);
+}
+
+TEST(LinearSolver, StopsAtTheToleranceAskedFor)
+{
+  const Cube cube(10);
+  const unsigned int loose = cube.solve(choose(LinearSolverChoice::iterative), 1e-2).iterations;
+  const double residual = cube.relative_residual();
+  EXPECT_LT(residual, 1e-2);
+  EXPECT_LT(loose, cube.solve(choose(LinearSolverChoice::iterative), 1e-8).iterations);
+}
+
+TEST(LinearSolver, EscalatesToAFactorisationWhereKrylovStalls)
+{
+  const Cube cube(10);
+  SolverParameters parameters = choose(LinearSolverChoice::iterative);
+  parameters.max_linear_iterations = 1;
+  const LinearReport report = cube.solve(parameters, 1e-8);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.method, "KLU2");
+  EXPECT_EQ(report.escalations, 2u);
+  EXPECT_LT(cube.relative_residual(), 1e-12);
+}
+
+TEST(LinearSolver, ReusesTheHierarchyForChangedValues)
+{
+  const Cube cube(10);
+  LinearSolver solver(choose(LinearSolverChoice::iterative), 3);
+  solver.set_structure(cube.matrix, cube.modes());
+  const unsigned int fresh = solver.solve(*cube.right_side, *cube.solution, 1e-8).iterations;
+  cube.matrix->resumeFill();
+  cube.matrix->scale(1.1);
+  cube.matrix->fillComplete();
+  const LinearReport again = solver.solve(*cube.right_side, *cube.solution, 1e-8);
+  EXPECT_TRUE(again.converged);
+  EXPECT_LE(again.iterations, fresh + 2);
+  EXPECT_LT(cube.relative_residual(), 1e-8);
+}
+
+TEST(LinearSolver, ReportsASingularMatrixToTheDirectSolver)
+{
+  EXPECT_FALSE(Cube(4, 0.).solve(choose(LinearSolverChoice::direct), 1e-8).converged);
+}
+
+TEST(LinearSolver, ReportsASingularMatrixAfterAllEscalations)
+{
+  const LinearReport report = Cube(4, 0.).solve(choose(LinearSolverChoice::iterative), 1e-8);
+  EXPECT_FALSE(report.converged);
+}
+
+TEST(RigidBodyModes, AreTranslationsAndRotationsOfTheWholeBody)
+{
+  // every mode must be a + w x X with the same a and w on all ranks: differences of displacements are skew in position
+  const Cube cube(4);
+  const auto modes = cube.modes();
+  ASSERT_EQ(modes->getNumVectors(), 6u);
+  TpetraVector rigid(cube.map);
+  {
+    const std::array<double, 3> a{{0.3, -0.2, 0.7}}, w{{1., -2., 0.5}};
+    auto view = rigid.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t v = 0; v < cube.position.size() / 3; ++v)
+      for (unsigned int d = 0; d < 3; ++d)
+      {
+        const unsigned int i = (d + 1) % 3, j = (d + 2) % 3;
+        view(3 * v + d, 0) = a[d] + w[i] * cube.position[3 * v + j] - w[j] * cube.position[3 * v + i];
+      }
+  }
+  // modes about the common centre are orthogonal on a cube, so projections take the motion away entirely
+  for (std::size_t mode = 0; mode < 6; ++mode)
+  {
+    const auto column = modes->getVector(mode);
+    const double factor = column->dot(rigid) / column->dot(*column);
+    rigid.update(-factor, *column, 1.);
+  }
+  EXPECT_LT(rigid.normInf(), 1e-12);
+}
+
+TEST(RigidBodyModes, LeaveConstrainedDofsAtRest)
+{
+  const Cube cube(3);
+  std::vector<unsigned char> constrained(cube.position.size(), 0);
+  constrained[4] = 1;
+  const auto modes = make_rigid_body_modes(cube.map, 3, cube.position, constrained);
+  const auto view = modes->getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t mode = 0; mode < 6; ++mode)
+    EXPECT_EQ(view(4, mode), 0.);
+  EXPECT_EQ(view(7, 1), 1.);
+}
+
+TEST(RigidBodyModes, OfThePlaneAreThree)
+{
+  const Teuchos::RCP<const TpetraMap> map = Teuchos::rcp(
+      new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), 8, 0, Tpetra::getDefaultComm()));
+  const auto modes = make_rigid_body_modes(map, 2, {0., 0., 2., 0., 0., 2., 2., 2.}, std::vector<unsigned char>(8, 0));
+  ASSERT_EQ(modes->getNumVectors(), 3u);
+  const auto view = modes->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const double rotation[8] = {1., -1., 1., 1., -1., -1., -1., 1.};
+  for (unsigned int dof = 0; dof < 8; ++dof)
+    EXPECT_NEAR(view(dof, 2), rotation[dof], 1e-14);
+}

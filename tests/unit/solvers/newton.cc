@@ -1,0 +1,201 @@
+#include <cmath>
+#include <gtest/gtest.h>
+#include <kedge/solvers/newton.h>
+
+using namespace kedge;
+
+namespace
+{
+/// One equation f(x) = 0 per unknown, three unknowns per rank, all started from the same place.
+struct Scalar
+{
+  Scalar(std::function<double(double)> f_, std::function<double(double)> derivative_)
+      : f(std::move(f_)), derivative(std::move(derivative_))
+  {
+  }
+
+  std::function<double(double)> f, derivative;
+  double admissible_below = INFINITY;
+  bool solvable = true;
+  std::vector<double> tolerances; ///< asked of the linear solver
+
+  static Teuchos::RCP<const TpetraMap> map()
+  {
+    return Teuchos::rcp(
+        new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), 3, 0, Tpetra::getDefaultComm()));
+  }
+
+  static double first(const TpetraVector& x) { return x.getLocalViewHost(Tpetra::Access::ReadOnly)(0, 0); }
+
+  NewtonReport solve(TpetraVector& x, const SolverParameters& parameters)
+  {
+    NewtonProblem problem;
+    problem.residual = [this](const TpetraVector& x, TpetraVector& r)
+    {
+      r.putScalar(f(first(x)));
+      return first(x) < admissible_below ? r.norm2() / std::sqrt(r.getGlobalLength()) : INFINITY;
+    };
+    problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
+    {
+      dx.putScalar(first(r) / derivative(first(x)));
+      tolerances.push_back(tolerance);
+      LinearReport report;
+      report.converged = solvable;
+      report.iterations = 2;
+      report.escalations = 1;
+      return report;
+    };
+    return solve_newton(problem, x, parameters);
+  }
+
+  NewtonReport solve_from(const double start, const SolverParameters& parameters, double* end = nullptr)
+  {
+    TpetraVector x(map());
+    x.putScalar(start);
+    const NewtonReport report = solve(x, parameters);
+    if (end)
+      *end = first(x);
+    return report;
+  }
+};
+
+Scalar cubic()
+{
+  return {[](const double x) { return x * x * x - 8.; }, [](const double x) { return 3. * x * x; }};
+}
+
+/// Newton's method alone diverges from |x| > 1.39.
+Scalar arc_tangent()
+{
+  return {[](const double x) { return std::atan(x); }, [](const double x) { return 1. / (1. + x * x); }};
+}
+
+SolverParameters tight()
+{
+  SolverParameters parameters;
+  parameters.tolerance = 1e-12;
+  return parameters;
+}
+} // namespace
+
+TEST(Newton, ConvergesQuadratically)
+{
+  double root = 0.;
+  const NewtonReport report = cubic().solve_from(3., tight(), &root);
+  ASSERT_TRUE(report.converged);
+  EXPECT_NEAR(root, 2., 1e-13);
+  // f'' / (2 f'^2) = 1/24 at the root
+  for (std::size_t k = 1; k + 1 < report.residuals.size() && report.residuals[k + 1] > 1e-12; ++k)
+    EXPECT_LT(report.residuals[k + 1], 0.05 * std::pow(report.residuals[k], 2)) << "iteration " << k;
+}
+
+TEST(Newton, DoesNothingAtTheRoot)
+{
+  const NewtonReport report = cubic().solve_from(2., tight());
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 0u);
+  EXPECT_EQ(report.residuals.size(), 1u);
+  EXPECT_EQ(report.failure, "");
+}
+
+TEST(Newton, AddsUpTheWorkOfTheLinearSolver)
+{
+  const NewtonReport report = cubic().solve_from(3., tight());
+  EXPECT_EQ(report.residuals.size(), report.iterations + 1u);
+  EXPECT_EQ(report.krylov_iterations, 2u * report.iterations);
+  EXPECT_EQ(report.escalations, report.iterations);
+}
+
+TEST(Newton, DivergesFromABadStartWithoutLineSearch)
+{
+  SolverParameters parameters = tight();
+  parameters.line_search = false;
+  const NewtonReport report = arc_tangent().solve_from(3., parameters);
+  EXPECT_FALSE(report.converged);
+}
+
+TEST(Newton, LineSearchRescuesABadStart)
+{
+  double root = 1.;
+  const NewtonReport report = arc_tangent().solve_from(3., tight(), &root);
+  EXPECT_TRUE(report.converged);
+  EXPECT_NEAR(root, 0., 1e-12);
+  for (std::size_t k = 0; k + 1 < report.residuals.size(); ++k)
+    EXPECT_LT(report.residuals[k + 1], report.residuals[k]);
+}
+
+TEST(Newton, LineSearchStepsBackFromWhatIsNotAdmissible)
+{
+  Scalar problem = cubic();
+  problem.admissible_below = 2.5; // the first full step from 1 would go to 3.33
+  EXPECT_TRUE(problem.solve_from(1., tight()).converged);
+}
+
+TEST(Newton, ReportsTooManyIterations)
+{
+  SolverParameters parameters = tight();
+  parameters.max_newton_iterations = 3;
+  const NewtonReport report = cubic().solve_from(100., parameters);
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.iterations, 3u);
+  EXPECT_EQ(report.failure, "no convergence in 3 iterations");
+}
+
+TEST(Newton, ReportsAResidualThatIsNotANumber)
+{
+  Scalar problem = cubic();
+  problem.f = [](double) { return NAN; };
+  const NewtonReport report = problem.solve_from(1., tight());
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.iterations, 0u);
+  EXPECT_EQ(report.failure, "the residual is not finite");
+}
+
+TEST(Newton, ReportsThatNoPartOfTheStepIsAdmissible)
+{
+  Scalar problem = cubic();
+  problem.admissible_below = 1.01;
+  const NewtonReport report = problem.solve_from(1., tight());
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.failure, "the residual is not finite");
+}
+
+TEST(Newton, ReportsAnUnsolvableLinearSystem)
+{
+  Scalar problem = cubic();
+  problem.solvable = false;
+  const NewtonReport report = problem.solve_from(1., tight());
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.iterations, 1u);
+  EXPECT_EQ(report.failure, "the linear system could not be solved");
+}
+
+TEST(Newton, ReportsDivergence)
+{
+  SolverParameters parameters = tight();
+  parameters.line_search = false;
+  Scalar problem{[](const double x) { return x; }, [](double) { return -1e-5; }};
+  const NewtonReport report = problem.solve_from(1., parameters);
+  EXPECT_FALSE(report.converged);
+  EXPECT_EQ(report.failure, "the residual diverges");
+}
+
+TEST(Newton, AsksForTighterLinearSolutionsAsItConverges)
+{
+  Scalar problem = cubic();
+  problem.solve_from(3., tight());
+  ASSERT_GT(problem.tolerances.size(), 2u);
+  EXPECT_LE(problem.tolerances.front(), 1e-2);
+  for (std::size_t k = 0; k + 2 < problem.tolerances.size(); ++k) // the last one only has to reach the target
+    EXPECT_LE(problem.tolerances[k + 1], problem.tolerances[k]);
+}
+
+TEST(Newton, AsksForNoMoreThanTheTargetNeeds)
+{
+  Scalar problem = cubic();
+  SolverParameters parameters;
+  parameters.tolerance = 0.1;
+  const NewtonReport report = problem.solve_from(3., parameters);
+  const double before_last = report.residuals[report.residuals.size() - 2];
+  EXPECT_GE(problem.tolerances.back(), std::min(1e-2, 0.1 * parameters.tolerance / before_last));
+}

@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+#include <kedge/time/clock.h>
+#include <random>
+
+using namespace kedge;
+
+TEST(Clock, MakesTheRequestedStepsIfNothingFails)
+{
+  Clock clock(7, 1. / 4096.);
+  unsigned int steps = 0;
+  for (; !clock.at_end(); clock.advance(), ++steps)
+  {
+    EXPECT_EQ(clock.step_fraction(), 1.);
+    EXPECT_EQ(clock.steps_done(), steps);
+    EXPECT_EQ(clock.steps_after(), steps + 1.);
+  }
+  EXPECT_EQ(steps, 7u);
+  EXPECT_EQ(clock.requested_steps(), 7u);
+  EXPECT_EQ(clock.cuts(), 0u);
+}
+
+TEST(Clock, HalvesAFailedStep)
+{
+  Clock clock(2, 1. / 4096.);
+  EXPECT_TRUE(clock.cut());
+  EXPECT_EQ(clock.step_fraction(), 0.5);
+  EXPECT_EQ(clock.steps_done(), 0.);
+  EXPECT_EQ(clock.steps_after(), 0.5);
+  EXPECT_EQ(clock.cuts(), 1u);
+}
+
+TEST(Clock, DoublesAfterASuccessUpToTheRequestedSize)
+{
+  Clock clock(2, 1. / 4096.);
+  clock.cut();
+  clock.cut();
+  clock.cut(); // 1/8
+  clock.advance();
+  EXPECT_EQ(clock.step_fraction(), 0.25);
+  clock.advance(); // at 3/8
+  EXPECT_EQ(clock.step_fraction(), 0.5);
+  clock.advance(); // at 7/8
+  EXPECT_EQ(clock.step_fraction(), 0.125);
+}
+
+TEST(Clock, NeverStepsAcrossARequestedStep)
+{
+  std::mt19937 generator(1);
+  Clock clock(50, 1. / 64.);
+  while (!clock.at_end())
+  {
+    EXPECT_LE(clock.steps_after(), std::floor(clock.steps_done()) + 1.);
+    if (generator() % 3 > 0 || !clock.cut())
+      clock.advance();
+  }
+}
+
+TEST(Clock, StopsAtTheSmallestStep)
+{
+  Clock clock(1, 1. / 16.);
+  for (unsigned int n = 0; n < 4; ++n)
+    EXPECT_TRUE(clock.cut());
+  EXPECT_FALSE(clock.cut());
+  EXPECT_EQ(clock.step_fraction(), 1. / 16.);
+  EXPECT_EQ(clock.cuts(), 4u);
+}
+
+TEST(Clock, RoundsTheSmallestStepDownToAPowerOfTwo)
+{
+  Clock clock(1, 0.1);
+  while (clock.cut())
+    ;
+  EXPECT_EQ(clock.step_fraction(), 1. / 16.);
+}
+
+TEST(Clock, DoesNotCutAtAllIfTheWholeStepIsTheSmallest)
+{
+  Clock clock(3, 1.);
+  EXPECT_FALSE(clock.cut());
+  clock.advance();
+  EXPECT_EQ(clock.steps_done(), 1.);
+}
+
+TEST(Clock, LandsExactlyOnTheEndAfterAnyCuts)
+{
+  for (unsigned int seed = 0; seed < 100; ++seed)
+  {
+    std::mt19937 generator(seed);
+    Clock clock(1 + seed % 13, 1. / 4096.);
+    while (!clock.at_end())
+      if (generator() % 2 == 0 || !clock.cut())
+        clock.advance();
+    ASSERT_EQ(clock.steps_done(), double(clock.requested_steps())) << "seed " << seed;
+  }
+}
