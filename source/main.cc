@@ -35,7 +35,7 @@ void run(const Arguments& arguments)
   kedge::RunOptions options;
   options.input_file = arguments.file;
   options.output_directory =
-    arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
+      arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
   options.quiet = arguments.quiet;
   kedge::run_simulation(input, options);
 }
@@ -52,12 +52,11 @@ void add_file_arguments(CLI::App& command, Arguments& arguments)
 {
   command.add_option("FILE", arguments.file, "Input file (JSON)")->required();
   command
-    .add_option("--set",
-                arguments.overrides,
-                "Replace a value of the input: \"path=value\", array positions from 0, "
-                "for example --set \"analysis.1.load steps=40\"")
-    ->expected(1)
-    ->take_all();
+      .add_option("--set", arguments.overrides,
+                  "Replace a value of the input: \"path=value\", array positions from 0, "
+                  "for example --set \"analysis.1.load steps=40\"")
+      ->expected(1)
+      ->take_all();
 }
 
 int run_program(kedge::Environment& environment, int argc, char** argv)
@@ -65,8 +64,9 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   CLI::App app("Kedge: the material point method for anchors, plates, cones and ploughs in soil");
   app.require_subcommand(1);
   app.set_version_flag("--version", kedge::describe_versions());
-  app.footer("Under MPI: mpirun -n 2 kedge run FILE.json\n"
-             "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written");
+  app.footer(
+      "Under MPI: mpirun -n 2 kedge run FILE.json\n"
+      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -78,10 +78,12 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and tell what it costs to run");
   add_file_arguments(check_command, arguments);
-  check_command.final_callback([&] {
-    if (environment.rank() == 0)
-      check(arguments);
-  });
+  check_command.final_callback(
+      [&]
+      {
+        if (environment.rank() == 0)
+          check(arguments);
+      });
 
   CLI::App& schema_command = *app.add_subcommand("schema", "Print the JSON Schema of the input, or its manual");
   bool manual = false;
@@ -90,13 +92,13 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 
   kedge::add_geometry_command(app);
   try
-    {
-      app.parse(argc, argv);
-    }
+  {
+    app.parse(argc, argv);
+  }
   catch (const CLI::ParseError& error)
-    {
-      return app.exit(error) == 0 ? success : bad_input;
-    }
+  {
+    return app.exit(error) == 0 ? success : bad_input;
+  }
   return success;
 }
 } // namespace
@@ -104,25 +106,26 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 int main(int argc, char** argv)
 {
   kedge::Environment environment(argc, argv);
-  const auto fail = [&](const std::exception& error, const ExitCode code) {
+  const auto fail = [&](const std::exception& error, const ExitCode code)
+  {
     if (environment.rank() == 0)
       fmt::print(stderr, "kedge: {}\n", error.what());
     return code;
   };
   try
-    {
-      return run_program(environment, argc, argv);
-    }
+  {
+    return run_program(environment, argc, argv);
+  }
   catch (const kedge::InputError& error)
-    {
-      return fail(error, bad_input);
-    }
+  {
+    return fail(error, bad_input);
+  }
   catch (const kedge::SolverError& error)
-    {
-      return fail(error, solver_failure);
-    }
+  {
+    return fail(error, solver_failure);
+  }
   catch (const kedge::FileError& error)
-    {
-      return fail(error, file_failure);
-    }
+  {
+    return fail(error, file_failure);
+  }
 }

@@ -15,58 +15,52 @@ KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsig
 } // namespace
 
 template <int dim>
-unsigned long update_stress_and_force(const ParticleArrays& particles,
-                                      const StencilSet& stencils,
-                                      const Materials& materials,
-                                      const NodalVector& increment,
+unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
+                                      const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force)
 {
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
-    "stress and internal force",
-    Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-    KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
-      const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
-      const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-      const StressUpdate update = update_stress(
-        dF, row_of(particles.elastic_left_cauchy_green, p), particles.young(p), materials(particles.layer(p)));
-      if (update.status == Status::inverted)
+      "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+      KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
+        const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
+        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+        const StressUpdate update = update_stress(dF, row_of(particles.elastic_left_cauchy_green, p),
+                                                  particles.young(p), materials(particles.layer(p)));
+        if (update.status == Status::inverted)
         {
           ++inverted;
           return;
         }
-      for (int c = 0; c < 6; ++c)
+        for (int c = 0; c < 6; ++c)
         {
           particles.trial_stress(p, c) = update.stress[c];
           particles.trial_strain(p, c) = update.elastic_strain[c];
         }
-      particles.trial_plastic(p) = update.plastic_increment;
+        particles.trial_plastic(p) = update.plastic_increment;
 
-      // tau grad_x S = (tau dF^-T) grad S
-      const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(update.stress) * inverse(dF).transpose();
-      const unsigned int pattern = stencils.pattern_of_particle(p);
-      const unsigned int first = stencils.pattern_node_begin(pattern);
-      const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-      const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-      for (unsigned int v = 0; v < n; ++v)
-        for (int c = 0; c < dim; ++c)
+        // tau grad_x S = (tau dF^-T) grad S
+        const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(update.stress) * inverse(dF).transpose();
+        const unsigned int pattern = stencils.pattern_of_particle(p);
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+        for (unsigned int v = 0; v < n; ++v)
+          for (int c = 0; c < dim; ++c)
           {
             double f = 0.;
             for (int j = 0; j < dim; ++j)
               f += flux(c, j) * gradient[dim * v + j];
             add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c), f);
           }
-    },
-    n_inverted);
+      },
+      n_inverted);
   return n_inverted;
 }
 
 template <int dim>
-void add_weight(const ParticleArrays& particles,
-                const StencilSet& stencils,
-                const std::array<double, 3>& gravity,
-                const double factor,
-                const NodalVector& force)
+void add_weight(const ParticleArrays& particles, const StencilSet& stencils, const std::array<double, 3>& gravity,
+                const double factor, const NodalVector& force)
 {
   double g[dim];
   for (int d = 0; d < dim; ++d)
@@ -74,51 +68,49 @@ void add_weight(const ParticleArrays& particles,
   const Eigen::Map<const Eigen::Matrix<double, dim, 1>> map(g);
   const Eigen::Matrix<double, dim, 1> acceleration = map;
   Kokkos::parallel_for(
-    "weight", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
-      const unsigned int pattern = stencils.pattern_of_particle(p);
-      const unsigned int first = stencils.pattern_node_begin(pattern);
-      const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-      const double* value = &stencils.value(stencils.value_begin(p));
-      for (unsigned int v = 0; v < n; ++v)
-        for (int c = 0; c < dim; ++c)
-          add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c),
-                 particles.mass(p) * value[v] * acceleration[c]);
-    });
+      "weight", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
+        const unsigned int pattern = stencils.pattern_of_particle(p);
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const double* value = &stencils.value(stencils.value_begin(p));
+        for (unsigned int v = 0; v < n; ++v)
+          for (int c = 0; c < dim; ++c)
+            add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c),
+                   particles.mass(p) * value[v] * acceleration[c]);
+      });
 }
 
-template <int dim>
-ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment)
+template <int dim> ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment)
 {
   ParticleIncrements result;
   result.displacement = View<double* [3]>("displacement", stencils.n_particles);
   result.deformation_gradient = View<double* [9]>("dF", stencils.n_particles);
   Kokkos::parallel_for(
-    "interpolate increments",
-    Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
-    KOKKOS_LAMBDA(const unsigned int p) {
-      const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          result.deformation_gradient(p, 3 * i + j) = dF(i, j);
-      const unsigned int pattern = stencils.pattern_of_particle(p);
-      const unsigned int first = stencils.pattern_node_begin(pattern);
-      const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-      const double* value = &stencils.value(stencils.value_begin(p));
-      double u[dim] = {};
-      for (unsigned int v = 0; v < n; ++v)
+      "interpolate increments", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
+      KOKKOS_LAMBDA(const unsigned int p) {
+        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            result.deformation_gradient(p, 3 * i + j) = dF(i, j);
+        const unsigned int pattern = stencils.pattern_of_particle(p);
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const double* value = &stencils.value(stencils.value_begin(p));
+        double u[dim] = {};
+        for (unsigned int v = 0; v < n; ++v)
+          for (int c = 0; c < dim; ++c)
+            u[c] += value[v] * increment(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c);
         for (int c = 0; c < dim; ++c)
-          u[c] += value[v] * increment(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c);
-      for (int c = 0; c < dim; ++c)
-        result.displacement(p, c) = u[c];
-    });
+          result.displacement(p, c) = u[c];
+      });
   return result;
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
-  template unsigned long update_stress_and_force<dim>(                                                                 \
-    const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&, const NodalVector&);               \
-  template void add_weight<dim>(                                                                                       \
-    const ParticleArrays&, const StencilSet&, const std::array<double, 3>&, double, const NodalVector&);               \
+  template unsigned long update_stress_and_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,      \
+                                                      const NodalVector&, const NodalVector&);                         \
+  template void add_weight<dim>(const ParticleArrays&, const StencilSet&, const std::array<double, 3>&, double,        \
+                                const NodalVector&);                                                                   \
   template ParticleIncrements interpolate_increments<dim>(const StencilSet&, const NodalVector&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)

@@ -20,68 +20,68 @@ Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>
   };
   std::vector<HostLists> groups;
   for (const NodeLists& coupling : couplings)
-    {
-      HostLists group;
-      group.begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.begin);
-      group.nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.nodes);
-      group.node_begin.assign(n_nodes + 1, 0);
-      for (std::size_t i = 0; i < group.nodes.extent(0); ++i)
-        ++group.node_begin[group.nodes(i) + 1];
-      for (unsigned int v = 0; v < n_nodes; ++v)
-        group.node_begin[v + 1] += group.node_begin[v];
-      group.lists_of_node.resize(group.nodes.extent(0));
-      std::vector<unsigned int> next(group.node_begin.begin(), group.node_begin.end() - 1);
-      for (std::size_t k = 0; k + 1 < group.begin.extent(0); ++k)
-        for (unsigned int i = group.begin(k); i < group.begin(k + 1); ++i)
-          group.lists_of_node[next[group.nodes(i)]++] = k;
-      groups.push_back(std::move(group));
-    }
+  {
+    HostLists group;
+    group.begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.begin);
+    group.nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.nodes);
+    group.node_begin.assign(n_nodes + 1, 0);
+    for (std::size_t i = 0; i < group.nodes.extent(0); ++i)
+      ++group.node_begin[group.nodes(i) + 1];
+    for (unsigned int v = 0; v < n_nodes; ++v)
+      group.node_begin[v + 1] += group.node_begin[v];
+    group.lists_of_node.resize(group.nodes.extent(0));
+    std::vector<unsigned int> next(group.node_begin.begin(), group.node_begin.end() - 1);
+    for (std::size_t k = 0; k + 1 < group.begin.extent(0); ++k)
+      for (unsigned int i = group.begin(k); i < group.begin(k + 1); ++i)
+        group.lists_of_node[next[group.nodes(i)]++] = k;
+    groups.push_back(std::move(group));
+  }
 
   Rows rows(n_nodes);
   std::vector<unsigned int> last_seen(n_nodes, ~0u), row;
   for (unsigned int v = 0; v < n_nodes; ++v)
-    {
-      row.assign(1, v); // the diagonal is always there
-      last_seen[v] = v;
-      for (const HostLists& group : groups)
-        for (unsigned int l = group.node_begin[v]; l < group.node_begin[v + 1]; ++l)
+  {
+    row.assign(1, v); // the diagonal is always there
+    last_seen[v] = v;
+    for (const HostLists& group : groups)
+      for (unsigned int l = group.node_begin[v]; l < group.node_begin[v + 1]; ++l)
+      {
+        const unsigned int k = group.lists_of_node[l];
+        for (unsigned int i = group.begin(k); i < group.begin(k + 1); ++i)
+          if (const unsigned int w = group.nodes(i); last_seen[w] != v)
           {
-            const unsigned int k = group.lists_of_node[l];
-            for (unsigned int i = group.begin(k); i < group.begin(k + 1); ++i)
-              if (const unsigned int w = group.nodes(i); last_seen[w] != v)
-                {
-                  last_seen[w] = v;
-                  row.push_back(w);
-                }
+            last_seen[w] = v;
+            row.push_back(w);
           }
-      std::sort(row.begin(), row.end());
-      rows[v] = row;
-    }
+      }
+    std::sort(row.begin(), row.end());
+    rows[v] = row;
+  }
   return rows;
 }
 
 /// A ghost row as its owner receives it.
 struct ReceivedRow
 {
-  unsigned int row; ///< owned node
-  std::size_t offset; ///< of its first block in the sender's message
+  unsigned int row;                  ///< owned node
+  std::size_t offset;                ///< of its first block in the sender's message
   std::vector<unsigned int> columns; ///< local numbers here
 };
 
 /// Sends the ghost rows' columns to their owners, which add them to their rows and number columns new to them.
-std::vector<std::vector<ReceivedRow>>
-exchange_ghost_rows(const NodeNumbering& numbering, Rows& rows, std::vector<long long>& column_global)
+std::vector<std::vector<ReceivedRow>> exchange_ghost_rows(const NodeNumbering& numbering, Rows& rows,
+                                                          std::vector<long long>& column_global)
 {
   const int n_ranks = size_of(numbering.communicator);
   std::vector<std::vector<long long>> message(n_ranks);
   for (int r = 0; r < n_ranks; ++r)
     for (unsigned int v = numbering.ghost_begin[r]; v < numbering.ghost_begin[r + 1]; ++v)
-      {
-        message[r].push_back(numbering.global[v]);
-        message[r].push_back(rows[v].size());
-        for (const unsigned int w : rows[v])
-          message[r].push_back(numbering.global[w]);
-      }
+    {
+      message[r].push_back(numbering.global[v]);
+      message[r].push_back(rows[v].size());
+      for (const unsigned int w : rows[v])
+        message[r].push_back(numbering.global[w]);
+    }
   const auto received = exchange_between_ranks(message, numbering.communicator);
 
   std::unordered_map<long long, unsigned int> local;
@@ -89,62 +89,58 @@ exchange_ghost_rows(const NodeNumbering& numbering, Rows& rows, std::vector<long
     local.emplace(column_global[v], v);
   std::vector<std::vector<ReceivedRow>> result(n_ranks);
   for (int r = 0; r < n_ranks; ++r)
+  {
+    std::size_t offset = 0;
+    for (std::size_t i = 0; i < received[r].size();)
     {
-      std::size_t offset = 0;
-      for (std::size_t i = 0; i < received[r].size();)
-        {
-          ReceivedRow row;
-          row.row = local.at(received[r][i++]);
-          row.offset = offset;
-          const long long length = received[r][i++];
-          offset += length;
-          for (long long k = 0; k < length; ++k, ++i)
-            {
-              const auto [entry, is_new] = local.emplace(received[r][i], column_global.size());
-              if (is_new)
-                column_global.push_back(received[r][i]);
-              row.columns.push_back(entry->second);
-            }
-          rows[row.row].insert(rows[row.row].end(), row.columns.begin(), row.columns.end());
-          result[r].push_back(std::move(row));
-        }
+      ReceivedRow row;
+      row.row = local.at(received[r][i++]);
+      row.offset = offset;
+      const long long length = received[r][i++];
+      offset += length;
+      for (long long k = 0; k < length; ++k, ++i)
+      {
+        const auto [entry, is_new] = local.emplace(received[r][i], column_global.size());
+        if (is_new)
+          column_global.push_back(received[r][i]);
+        row.columns.push_back(entry->second);
+      }
+      rows[row.row].insert(rows[row.row].end(), row.columns.begin(), row.columns.end());
+      result[r].push_back(std::move(row));
     }
+  }
   for (unsigned int v = 0; v < numbering.n_owned; ++v)
-    {
-      std::sort(rows[v].begin(), rows[v].end());
-      rows[v].erase(std::unique(rows[v].begin(), rows[v].end()), rows[v].end());
-    }
+  {
+    std::sort(rows[v].begin(), rows[v].end());
+    rows[v].erase(std::unique(rows[v].begin(), rows[v].end()), rows[v].end());
+  }
   return result;
 }
 
-void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::size_t>& begin, const std::vector<std::vector<ReceivedRow>>& received)
+void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::size_t>& begin,
+                  const std::vector<std::vector<ReceivedRow>>& received)
 {
   for (const auto& from_rank : received)
+  {
+    std::size_t count = 0;
+    for (const ReceivedRow& row : from_rank)
     {
-      std::size_t count = 0;
-      for (const ReceivedRow& row : from_rank)
-        {
-          const std::vector<unsigned int>& columns = rows[row.row];
-          for (unsigned int k = 0; k < row.columns.size(); ++k)
-            {
-              const unsigned int position =
-                std::lower_bound(columns.begin(), columns.end(), row.columns[k]) - columns.begin();
-              graph.targets.push_back({begin[row.row],
-                                       row.offset,
-                                       static_cast<unsigned int>(columns.size()),
-                                       position,
-                                       static_cast<unsigned int>(row.columns.size()),
-                                       k});
-            }
-          count += row.columns.size();
-        }
-      graph.receive_count.push_back(count);
+      const std::vector<unsigned int>& columns = rows[row.row];
+      for (unsigned int k = 0; k < row.columns.size(); ++k)
+      {
+        const unsigned int position =
+            std::lower_bound(columns.begin(), columns.end(), row.columns[k]) - columns.begin();
+        graph.targets.push_back({begin[row.row], row.offset, static_cast<unsigned int>(columns.size()), position,
+                                 static_cast<unsigned int>(row.columns.size()), k});
+      }
+      count += row.columns.size();
     }
+    graph.receive_count.push_back(count);
+  }
 }
 
 /// One dof per node and component; the order of components within a node is the axes'.
-Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim,
-                                           const std::vector<long long>& node,
+Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim, const std::vector<long long>& node,
                                            const unsigned int n,
                                            const Teuchos::RCP<const Teuchos::Comm<int>>& communicator)
 {
@@ -153,8 +149,7 @@ Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim,
     for (unsigned int d = 0; d < dim; ++d)
       dofs[dim * v + d] = dim * node[v] + d;
   return Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                                    Teuchos::ArrayView<const GlobalOrdinal>(dofs.data(), dofs.size()),
-                                    0,
+                                    Teuchos::ArrayView<const GlobalOrdinal>(dofs.data(), dofs.size()), 0,
                                     communicator));
 }
 
@@ -184,8 +179,8 @@ Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const 
 }
 } // namespace
 
-NodeGraph
-build_node_graph(const unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings)
+NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numbering,
+                           const std::vector<NodeLists>& couplings)
 {
   NodeGraph graph;
   graph.dim = dim;
@@ -232,36 +227,29 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
   std::vector<int> send_count(n_ranks), send_begin(n_ranks), receive_count(n_ranks), receive_begin(n_ranks);
   std::size_t total = 0;
   for (int r = 0; r < n_ranks; ++r)
-    {
-      send_count[r] = block * (graph.send_begin[r + 1] - graph.send_begin[r]);
-      send_begin[r] = block * (graph.send_begin[r] - graph.send_begin[0]);
-      receive_count[r] = block * graph.receive_count[r];
-      receive_begin[r] = total;
-      total += receive_count[r];
-    }
+  {
+    send_count[r] = block * (graph.send_begin[r + 1] - graph.send_begin[r]);
+    send_begin[r] = block * (graph.send_begin[r] - graph.send_begin[0]);
+    receive_count[r] = block * graph.receive_count[r];
+    receive_begin[r] = total;
+    total += receive_count[r];
+  }
   std::vector<double> received(total);
-  MPI_Alltoallv(host.data() + block * graph.send_begin[0],
-                send_count.data(),
-                send_begin.data(),
-                MPI_DOUBLE,
-                received.data(),
-                receive_count.data(),
-                receive_begin.data(),
-                MPI_DOUBLE,
-                graph.communicator);
+  MPI_Alltoallv(host.data() + block * graph.send_begin[0], send_count.data(), send_begin.data(), MPI_DOUBLE,
+                received.data(), receive_count.data(), receive_begin.data(), MPI_DOUBLE, graph.communicator);
 
   std::size_t t = 0;
   for (int r = 0; r < n_ranks; ++r)
     for (std::size_t k = 0; k < graph.receive_count[r]; ++k, ++t)
-      {
-        const NodeGraph::Target& target = graph.targets[t];
-        const double* source = received.data() + receive_begin[r] + block * target.sender_offset;
-        double* row = host.data() + block * target.row_begin;
-        for (unsigned int i = 0; i < graph.dim; ++i)
-          for (unsigned int j = 0; j < graph.dim; ++j)
-            row[graph.dim * (i * target.length + target.position) + j] +=
+    {
+      const NodeGraph::Target& target = graph.targets[t];
+      const double* source = received.data() + receive_begin[r] + block * target.sender_offset;
+      double* row = host.data() + block * target.row_begin;
+      for (unsigned int i = 0; i < graph.dim; ++i)
+        for (unsigned int j = 0; j < graph.dim; ++j)
+          row[graph.dim * (i * target.length + target.position) + j] +=
               source[graph.dim * (i * target.sender_length + target.sender_position) + j];
-      }
+    }
   Kokkos::deep_copy(values, host);
 }
 } // namespace kedge

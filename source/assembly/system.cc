@@ -20,18 +20,16 @@ auto overwrite(TpetraVector& vector)
 }
 } // namespace
 
-System::System(const unsigned int dim_,
-               const NodeNumbering& numbering,
-               const std::vector<NodeLists>& couplings,
+System::System(const unsigned int dim_, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
                const std::vector<unsigned char>& constrained)
-  : dim(dim_),
-    node_graph(build_node_graph(dim_, numbering, couplings)),
-    all_values("matrix values", node_graph.n_values())
+    : dim(dim_),
+      node_graph(build_node_graph(dim_, numbering, couplings)),
+      all_values("matrix values", node_graph.n_values())
 {
   const std::size_t n_owned_values = node_graph.matrix_graph->getLocalGraphDevice().entries.extent(0);
   using LocalMatrix = TpetraMatrix::local_matrix_device_type;
   const typename LocalMatrix::values_type owned_values =
-    Kokkos::subview(all_values, std::make_pair(std::size_t(0), n_owned_values));
+      Kokkos::subview(all_values, std::make_pair(std::size_t(0), n_owned_values));
   owned_matrix = Teuchos::rcp(new TpetraMatrix(node_graph.matrix_graph, owned_values));
   owned_matrix->fillComplete(node_graph.row_map, node_graph.row_map);
 
@@ -46,9 +44,8 @@ System::System(const unsigned int dim_,
   constrained_column = View<unsigned char*>("constrained", mark.extent(0));
   const auto column = constrained_column;
   Kokkos::parallel_for(
-    "mark constrained", Kokkos::RangePolicy<ExecutionSpace>(0, mark.extent(0)), KOKKOS_LAMBDA(const std::size_t dof) {
-      column(dof) = mark(dof) > 0.5;
-    });
+      "mark constrained", Kokkos::RangePolicy<ExecutionSpace>(0, mark.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t dof) { column(dof) = mark(dof) > 0.5; });
 }
 
 NodalVector System::make_nodal_vector() const
@@ -61,10 +58,10 @@ NodalVector System::spread(const TpetraVector& owned) const
   const NodalVector local = make_nodal_vector();
   const auto importer = node_graph.matrix_graph->getImporter();
   if (importer.is_null())
-    {
-      Kokkos::deep_copy(local, read(owned));
-      return local;
-    }
+  {
+    Kokkos::deep_copy(local, read(owned));
+    return local;
+  }
   TpetraVector all(node_graph.column_map);
   all.doImport(owned, *importer, Tpetra::INSERT);
   Kokkos::deep_copy(local, read(all));
@@ -75,10 +72,10 @@ void System::collect(const NodalVector& local, TpetraVector& owned) const
 {
   const auto importer = node_graph.matrix_graph->getImporter();
   if (importer.is_null())
-    {
-      Kokkos::deep_copy(overwrite(owned), local);
-      return;
-    }
+  {
+    Kokkos::deep_copy(overwrite(owned), local);
+    return;
+  }
   TpetraVector all(node_graph.column_map);
   Kokkos::deep_copy(overwrite(all), local);
   owned.putScalar(0.);
@@ -90,16 +87,13 @@ void System::zero_constrained(TpetraVector& owned) const
   const auto view = Kokkos::subview(owned.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
   const auto column = constrained_column;
   Kokkos::parallel_for(
-    "zero constrained", Kokkos::RangePolicy<ExecutionSpace>(0, view.extent(0)), KOKKOS_LAMBDA(const std::size_t dof) {
-      if (column(dof))
-        view(dof) = 0.;
-    });
+      "zero constrained", Kokkos::RangePolicy<ExecutionSpace>(0, view.extent(0)), KOKKOS_LAMBDA(const std::size_t dof) {
+        if (column(dof))
+          view(dof) = 0.;
+      });
 }
 
-void System::clear_matrix()
-{
-  Kokkos::deep_copy(all_values, 0.);
-}
+void System::clear_matrix() { Kokkos::deep_copy(all_values, 0.); }
 
 void System::finish_matrix()
 {
@@ -111,31 +105,29 @@ void System::finish_matrix()
   // scale of the identity rows: the mean diagonal of the free dofs
   double sums[2] = {0., 0.};
   Kokkos::parallel_reduce(
-    "diagonal",
-    Kokkos::RangePolicy<ExecutionSpace>(0, n_rows),
-    KOKKOS_LAMBDA(const std::size_t row, double& sum, double& count) {
-      if (column(row))
-        return;
-      for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
-        if (static_cast<std::size_t>(local.graph.entries(k)) == row)
-          sum += Kokkos::Experimental::fabs(local.values(k));
-      count += 1.;
-    },
-    sums[0],
-    sums[1]);
+      "diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, n_rows),
+      KOKKOS_LAMBDA(const std::size_t row, double& sum, double& count) {
+        if (column(row))
+          return;
+        for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
+          if (static_cast<std::size_t>(local.graph.entries(k)) == row)
+            sum += Kokkos::Experimental::fabs(local.values(k));
+        count += 1.;
+      },
+      sums[0], sums[1]);
   const double total = sum_over_ranks(sums[0], node_graph.communicator);
   const double count = sum_over_ranks(sums[1], node_graph.communicator);
   const double scale = total > 0. ? total / count : 1.;
 
   Kokkos::parallel_for(
-    "constrain matrix", Kokkos::RangePolicy<ExecutionSpace>(0, n_rows), KOKKOS_LAMBDA(const std::size_t row) {
-      for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
+      "constrain matrix", Kokkos::RangePolicy<ExecutionSpace>(0, n_rows), KOKKOS_LAMBDA(const std::size_t row) {
+        for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
         {
           const std::size_t other = local.graph.entries(k);
           if (column(row) || column(other))
             local.values(k) = row == other ? scale : 0.;
         }
-    });
+      });
 }
 
 void add_point_forces(const unsigned int dim, const PointForces& points, const double sign, const NodalVector& force)
@@ -148,7 +140,8 @@ void add_point_forces(const unsigned int dim, const PointForces& points, const d
   Kokkos::deep_copy(force, host);
 }
 
-void add_point_tangents(const PointForces& points, const double sign, const NodeGraph& graph, const View<double*>& values)
+void add_point_tangents(const PointForces& points, const double sign, const NodeGraph& graph,
+                        const View<double*>& values)
 {
   const unsigned int dim = graph.dim;
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
@@ -156,19 +149,19 @@ void add_point_tangents(const PointForces& points, const double sign, const Node
   const auto column = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), graph.column);
   for (std::size_t i = 0; i < points.n_points(); ++i)
     for (unsigned int a = points.begin[i]; a < points.begin[i + 1]; ++a)
+    {
+      const std::size_t begin = row_begin(points.nodes[a]), end = row_begin(points.nodes[a] + 1);
+      double* row = host.data() + std::size_t(dim) * dim * begin;
+      for (unsigned int b = points.begin[i]; b < points.begin[i + 1]; ++b)
       {
-        const std::size_t begin = row_begin(points.nodes[a]), end = row_begin(points.nodes[a] + 1);
-        double* row = host.data() + std::size_t(dim) * dim * begin;
-        for (unsigned int b = points.begin[i]; b < points.begin[i + 1]; ++b)
-          {
-            const std::size_t position =
-              std::lower_bound(column.data() + begin, column.data() + end, points.nodes[b]) - (column.data() + begin);
-            const double factor = sign * points.weights[a] * points.weights[b];
-            for (unsigned int c = 0; c < dim; ++c)
-              for (unsigned int e = 0; e < dim; ++e)
-                row[dim * (c * (end - begin) + position) + e] += factor * points.tangent[9 * i + 3 * c + e];
-          }
+        const std::size_t position =
+            std::lower_bound(column.data() + begin, column.data() + end, points.nodes[b]) - (column.data() + begin);
+        const double factor = sign * points.weights[a] * points.weights[b];
+        for (unsigned int c = 0; c < dim; ++c)
+          for (unsigned int e = 0; e < dim; ++e)
+            row[dim * (c * (end - begin) + position) + e] += factor * points.tangent[9 * i + 3 * c + e];
       }
+    }
   Kokkos::deep_copy(values, host);
 }
 } // namespace kedge

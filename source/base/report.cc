@@ -29,36 +29,24 @@ std::string format_progress(const Progress& state)
   for (int i = 0; i < bar_width; ++i)
     bar += i < filled ? "█" : "░";
   return fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g} NR {} cuts {} del {} N {} Krylov {}",
-                     state.stage,
-                     state.n_stages,
-                     bar,
-                     100. * fraction,
-                     state.time,
-                     state.end,
-                     state.step,
-                     state.increment,
-                     state.newton_iterations,
-                     state.cuts,
-                     state.deleted,
-                     state.particles,
+                     state.stage, state.n_stages, bar, 100. * fraction, state.time, state.end, state.step,
+                     state.increment, state.newton_iterations, state.cuts, state.deleted, state.particles,
                      state.krylov_iterations);
 }
 
 Report::Report(const bool speak_, const bool quiet_)
-  : speak(speak_),
-    quiet(quiet_),
-    on_terminal(isatty(STDOUT_FILENO)),
-    stage_start(std::chrono::steady_clock::now())
-{}
+    : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO)), stage_start(std::chrono::steady_clock::now())
+{
+}
 
 void Report::line(const std::string& text)
 {
   end_progress();
   if (speak && !quiet)
-    {
-      fmt::print("{}\n", text);
-      std::fflush(stdout);
-    }
+  {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+  }
 }
 
 void Report::warn(const std::string& text)
@@ -72,11 +60,11 @@ void Report::warn(const std::string& text)
 void Report::progress(const Progress& state)
 {
   if (state.stage != last_stage)
-    {
-      last_stage = state.stage;
-      last_percent = -1;
-      stage_start = std::chrono::steady_clock::now();
-    }
+  {
+    last_stage = state.stage;
+    last_percent = -1;
+    stage_start = std::chrono::steady_clock::now();
+  }
   const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
   const int percent = static_cast<int>(100. * fraction + 1e-6);
   if (!speak || quiet || (!on_terminal && percent == last_percent))
@@ -84,10 +72,7 @@ void Report::progress(const Progress& state)
   last_percent = percent;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - stage_start).count();
   const double left = fraction > 0. ? elapsed * (1. - fraction) / fraction : 0.;
-  fmt::print("{}{} left {}{}",
-             on_terminal ? "\r" : "",
-             format_progress(state),
-             format_duration(left),
+  fmt::print("{}{} left {}{}", on_terminal ? "\r" : "", format_progress(state), format_duration(left),
              on_terminal ? "\x1b[K" : "\n");
   std::fflush(stdout);
   line_open = on_terminal;
@@ -101,10 +86,9 @@ void Report::end_progress()
 }
 
 Timings::Scope::Scope(Timings& timings_, const char* phase_)
-  : timings(timings_),
-    phase(phase_),
-    start(std::chrono::steady_clock::now())
-{}
+    : timings(timings_), phase(phase_), start(std::chrono::steady_clock::now())
+{
+}
 
 Timings::Scope::~Scope()
 {

@@ -17,8 +17,8 @@ std::vector<long long> find_owned_ranges(const long long n_owned, const MPI_Comm
 } // namespace
 
 template <int dim>
-ActiveNodes
-number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used, const MPI_Comm communicator)
+ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used,
+                                const MPI_Comm communicator)
 {
   const unsigned int n_nodes = table.node_ids.size();
   const int n_ranks = size_of(communicator);
@@ -33,16 +33,16 @@ number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char
   std::vector<unsigned char> active(n_owned_nodes, 0);
   for (unsigned int i = 0; i < n_nodes; ++i)
     if (table.node_owner_is_me[i])
-      {
-        owned_node[table.node_ids[i] - first_owned] = i;
-        active[table.node_ids[i] - first_owned] = used[i];
-      }
+    {
+      owned_node[table.node_ids[i] - first_owned] = i;
+      active[table.node_ids[i] - first_owned] = used[i];
+    }
     else if (used[i])
-      {
-        const int owner = std::upper_bound(range.begin(), range.end(), table.node_ids[i]) - range.begin() - 1;
-        wanted[owner].push_back(table.node_ids[i]);
-        wanted_nodes[owner].push_back(i);
-      }
+    {
+      const int owner = std::upper_bound(range.begin(), range.end(), table.node_ids[i]) - range.begin() - 1;
+      wanted[owner].push_back(table.node_ids[i]);
+      wanted_nodes[owner].push_back(i);
+    }
   std::vector<std::vector<long long>> asked = exchange_between_ranks(wanted, communicator);
   for (const auto& ids : asked)
     for (const long long id : ids)
@@ -53,10 +53,10 @@ number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char
   nodes.number.assign(n_nodes, ActiveNodes::inactive);
   for (long long i = 0; i < n_owned_nodes; ++i)
     if (active[i])
-      {
-        nodes.number[owned_node[i]] = nodes.mesh_node.size();
-        nodes.mesh_node.push_back(owned_node[i]);
-      }
+    {
+      nodes.number[owned_node[i]] = nodes.mesh_node.size();
+      nodes.mesh_node.push_back(owned_node[i]);
+    }
   nodes.n_owned = nodes.mesh_node.size();
   const long long first = sum_over_lower_ranks(nodes.n_owned, communicator);
   nodes.n_global = sum_over_ranks(static_cast<long long>(nodes.n_owned), communicator);
@@ -69,15 +69,15 @@ number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char
       id = first + nodes.number[owned_node[id - first_owned]];
   const std::vector<std::vector<long long>> answer = exchange_between_ranks(asked, communicator);
   for (int r = 0; r < n_ranks; ++r)
+  {
+    nodes.ghost_begin.push_back(nodes.mesh_node.size());
+    for (std::size_t i = 0; i < answer[r].size(); ++i)
     {
-      nodes.ghost_begin.push_back(nodes.mesh_node.size());
-      for (std::size_t i = 0; i < answer[r].size(); ++i)
-        {
-          nodes.number[wanted_nodes[r][i]] = nodes.mesh_node.size();
-          nodes.mesh_node.push_back(wanted_nodes[r][i]);
-          nodes.global.push_back(answer[r][i]);
-        }
+      nodes.number[wanted_nodes[r][i]] = nodes.mesh_node.size();
+      nodes.mesh_node.push_back(wanted_nodes[r][i]);
+      nodes.global.push_back(answer[r][i]);
     }
+  }
   nodes.ghost_begin.push_back(nodes.mesh_node.size());
   return nodes;
 }

@@ -9,12 +9,11 @@ namespace kedge
 {
 namespace
 {
-constexpr double across = 1e-3;        // of a leaf's size: where its neighbour is looked for
+constexpr double across = 1e-3;         // of a leaf's size: where its neighbour is looked for
 constexpr double populated_fill = 1e-9; // of a leaf's volume
 
 /// The same on every rank: the lower corner in units of 1/1024 base cell.
-template <int dim>
-long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
+template <int dim> long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
 {
   long long key = 0;
   for (unsigned int d = 0; d < dim; ++d)
@@ -29,8 +28,7 @@ struct Parcel
 };
 
 /// Ghost leaves by owner, and owned leaves by key: who asks whom for what.
-template <int dim>
-class LeafExchange
+template <int dim> class LeafExchange
 {
 public:
   LeafExchange(const LeafTable<dim>& table_, const MPI_Comm communicator_) : table(table_), communicator(communicator_)
@@ -53,11 +51,11 @@ public:
           send[r].push_back({leaf_key(table, leaf), contents[leaf]});
     for (const auto& parcels : exchange_between_ranks(send, communicator))
       for (const Parcel& parcel : parcels)
-        {
-          LeafContent& content = contents[owned.at(parcel.key)];
-          content.volume += parcel.content.volume;
-          content.stiffness += parcel.content.stiffness;
-        }
+      {
+        LeafContent& content = contents[owned.at(parcel.key)];
+        content.volume += parcel.content.volume;
+        content.stiffness += parcel.content.stiffness;
+      }
   }
 
   /// Overwrites the contents of ghost leaves by their owners'.
@@ -85,8 +83,7 @@ private:
   std::unordered_map<long long, unsigned int> owned;
 };
 
-template <int dim>
-double leaf_volume(const LeafTable<dim>& table, const unsigned int leaf)
+template <int dim> double leaf_volume(const LeafTable<dim>& table, const unsigned int leaf)
 {
   return std::pow(table.leaves[leaf].size, dim);
 }
@@ -99,28 +96,26 @@ bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& c
 
 /// Leaves across a face (axis, upper or lower side): one, or 2^(dim-1) finer ones; none outside the grid.
 template <int dim>
-std::vector<unsigned int>
-find_neighbours(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int axis, const bool upper)
+std::vector<unsigned int> find_neighbours(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int axis,
+                                          const bool upper)
 {
   const auto& cell = table.leaves[leaf];
   std::vector<unsigned int> neighbours;
   for (unsigned int quadrant = 0; quadrant < (1u << (dim - 1)); ++quadrant)
-    {
-      std::array<double, dim> x;
-      for (unsigned int d = 0, bit = 0; d < dim; ++d)
-        x[d] = cell.lower[d] + cell.size * (d == axis ? (upper ? 1. + across : -across)
-                                                      : ((quadrant >> bit++) & 1u ? 0.75 : 0.25));
-      if (const int found = table.find_leaf(x); found >= 0)
-        if (std::find(neighbours.begin(), neighbours.end(), unsigned(found)) == neighbours.end())
-          neighbours.push_back(found);
-    }
+  {
+    std::array<double, dim> x;
+    for (unsigned int d = 0, bit = 0; d < dim; ++d)
+      x[d] = cell.lower[d] +
+             cell.size * (d == axis ? (upper ? 1. + across : -across) : ((quadrant >> bit++) & 1u ? 0.75 : 0.25));
+    if (const int found = table.find_leaf(x); found >= 0)
+      if (std::find(neighbours.begin(), neighbours.end(), unsigned(found)) == neighbours.end())
+        neighbours.push_back(found);
+  }
   return neighbours;
 }
 
 template <int dim>
-bool is_boundary(const LeafTable<dim>& table,
-                 const std::vector<LeafContent>& contents,
-                 const unsigned int leaf,
+bool is_boundary(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf,
                  const double poor_factor)
 {
   if (contents[leaf].volume < poor_factor * leaf_volume(table, leaf))
@@ -135,13 +130,8 @@ bool is_boundary(const LeafTable<dim>& table,
 
 /// Adds the face between leaf and neighbour; the face is the leaf's, which is not larger than its neighbour.
 template <int dim>
-void add_face(const LeafTable<dim>& table,
-              const unsigned int leaf,
-              const unsigned int neighbour,
-              const unsigned int axis,
-              const bool upper,
-              const double stiffness,
-              HostGhostFaces& faces)
+void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int neighbour,
+              const unsigned int axis, const bool upper, const double stiffness, HostGhostFaces& faces)
 {
   const auto& cell = table.leaves[leaf];
   const double h = cell.size, area = std::pow(h, dim - 1);
@@ -150,28 +140,28 @@ void add_face(const LeafTable<dim>& table,
   std::vector<std::vector<double>> jumps(n_points); // by quadrature point and node
   std::vector<NodeShare<dim>> shares;
   for (unsigned int q = 0; q < n_points; ++q)
-    {
-      std::array<double, dim> x;
-      for (unsigned int d = 0, bit = 0; d < dim; ++d)
-        x[d] = cell.lower[d] +
-               h * (d == axis ? (upper ? 1. : 0.) : 0.5 + ((q >> bit++) & 1u ? 0.5 : -0.5) / std::sqrt(3.));
-      shares.clear();
-      add_leaf_shape<dim>(table, leaf, x, -1., shares);
-      add_leaf_shape<dim>(table, neighbour, x, 1., shares);
-      if (q == 0)
-        for (const NodeShare<dim>& share : shares)
-          nodes.push_back(share.node);
-      for (const NodeShare<dim>& share : shares) // the order is that of the leaves' nodes, at every point the same
-        jumps[q].push_back(share.gradient[axis]);
-    }
+  {
+    std::array<double, dim> x;
+    for (unsigned int d = 0, bit = 0; d < dim; ++d)
+      x[d] =
+          cell.lower[d] + h * (d == axis ? (upper ? 1. : 0.) : 0.5 + ((q >> bit++) & 1u ? 0.5 : -0.5) / std::sqrt(3.));
+    shares.clear();
+    add_leaf_shape<dim>(table, leaf, x, -1., shares);
+    add_leaf_shape<dim>(table, neighbour, x, 1., shares);
+    if (q == 0)
+      for (const NodeShare<dim>& share : shares)
+        nodes.push_back(share.node);
+    for (const NodeShare<dim>& share : shares) // the order is that of the leaves' nodes, at every point the same
+      jumps[q].push_back(share.gradient[axis]);
+  }
   for (unsigned int a = 0; a < nodes.size(); ++a)
     for (unsigned int b = 0; b < nodes.size(); ++b)
-      {
-        double sum = 0.;
-        for (unsigned int q = 0; q < n_points; ++q)
-          sum += jumps[q][a] * jumps[q][b];
-        faces.value.push_back(stiffness * h * h * h / 3. * area / n_points * sum);
-      }
+    {
+      double sum = 0.;
+      for (unsigned int q = 0; q < n_points; ++q)
+        sum += jumps[q][a] * jumps[q][b];
+      faces.value.push_back(stiffness * h * h * h / 3. * area / n_points * sum);
+    }
   faces.nodes.insert(faces.nodes.end(), nodes.begin(), nodes.end());
   faces.node_begin.push_back(faces.nodes.size());
   faces.value_begin.push_back(faces.value.size());
@@ -179,26 +169,24 @@ void add_face(const LeafTable<dim>& table,
 } // namespace
 
 template <int dim>
-std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table,
-                                            const std::vector<std::array<double, dim>>& centre,
-                                            const std::vector<std::array<double, dim>>& half_width,
-                                            const std::vector<double>& young,
-                                            const double poor_factor,
-                                            const MPI_Comm communicator)
+std::vector<LeafContent>
+find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
+                   const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
+                   const double poor_factor, const MPI_Comm communicator)
 {
   std::vector<LeafContent> contents(table.leaves.size());
   BoxAverage<dim> box(table);
   for (std::size_t p = 0; p < centre.size(); ++p)
+  {
+    double volume = 1.;
+    for (const double half : half_width[p])
+      volume *= 2. * half;
+    for (const Overlap& overlap : box.find_overlaps(centre[p], half_width[p]))
     {
-      double volume = 1.;
-      for (const double half : half_width[p])
-        volume *= 2. * half;
-      for (const Overlap& overlap : box.find_overlaps(centre[p], half_width[p]))
-        {
-          contents[overlap.leaf].volume += overlap.fraction * volume;
-          contents[overlap.leaf].stiffness += overlap.fraction * volume * young[p];
-        }
+      contents[overlap.leaf].volume += overlap.fraction * volume;
+      contents[overlap.leaf].stiffness += overlap.fraction * volume * young[p];
     }
+  }
   const LeafExchange<dim> exchange(table, communicator);
   exchange.add_to_owners(contents);
   exchange.update_ghosts(contents);
@@ -210,46 +198,39 @@ std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table,
 }
 
 template <int dim>
-HostGhostFaces
-find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const double factor)
+HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents,
+                                const double factor)
 {
   HostGhostFaces faces;
   for (unsigned int leaf = 0; leaf < table.leaves.size(); ++leaf)
-    {
-      if (!table.leaves[leaf].owned || !is_populated(table, contents, leaf))
-        continue;
-      for (unsigned int axis = 0; axis < dim; ++axis)
-        for (const bool upper : {false, true})
-          {
-            const std::vector<unsigned int> neighbours = find_neighbours(table, leaf, axis, upper);
-            if (neighbours.size() != 1) // none, or finer ones, whose turn it is
-              continue;
-            const unsigned int other = neighbours[0];
-            const double size = table.leaves[leaf].size, other_size = table.leaves[other].size;
-            const bool mine = other_size > 1.5 * size || (other_size > 0.75 * size && upper);
-            if (!mine || !is_populated(table, contents, other) ||
-                contents[leaf].boundary + contents[other].boundary == 0.)
-              continue;
-            const double young = 0.5 * (contents[leaf].stiffness / contents[leaf].volume +
-                                        contents[other].stiffness / contents[other].volume);
-            add_face(table, leaf, other, axis, upper, factor * young, faces);
-          }
-    }
+  {
+    if (!table.leaves[leaf].owned || !is_populated(table, contents, leaf))
+      continue;
+    for (unsigned int axis = 0; axis < dim; ++axis)
+      for (const bool upper : {false, true})
+      {
+        const std::vector<unsigned int> neighbours = find_neighbours(table, leaf, axis, upper);
+        if (neighbours.size() != 1) // none, or finer ones, whose turn it is
+          continue;
+        const unsigned int other = neighbours[0];
+        const double size = table.leaves[leaf].size, other_size = table.leaves[other].size;
+        const bool mine = other_size > 1.5 * size || (other_size > 0.75 * size && upper);
+        if (!mine || !is_populated(table, contents, other) || contents[leaf].boundary + contents[other].boundary == 0.)
+          continue;
+        const double young = 0.5 * (contents[leaf].stiffness / contents[leaf].volume +
+                                    contents[other].stiffness / contents[other].volume);
+        add_face(table, leaf, other, axis, upper, factor * young, faces);
+      }
+  }
   return faces;
 }
 
-template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&,
+template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
                                                         const std::vector<std::array<double, 2>>&,
-                                                        const std::vector<std::array<double, 2>>&,
-                                                        const std::vector<double>&,
-                                                        double,
-                                                        MPI_Comm);
-template std::vector<LeafContent> find_leaf_contents<3>(const LeafTable<3>&,
+                                                        const std::vector<double>&, double, MPI_Comm);
+template std::vector<LeafContent> find_leaf_contents<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
                                                         const std::vector<std::array<double, 3>>&,
-                                                        const std::vector<std::array<double, 3>>&,
-                                                        const std::vector<double>&,
-                                                        double,
-                                                        MPI_Comm);
+                                                        const std::vector<double>&, double, MPI_Comm);
 template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, double);
 template HostGhostFaces find_ghost_faces<3>(const LeafTable<3>&, const std::vector<LeafContent>&, double);
 } // namespace kedge

@@ -8,46 +8,45 @@ namespace kedge
 {
 namespace
 {
-// Round-off makes boxes that end on a face reach across it by a hair; such a sliver would activate nodes without stiffness.
+// Round-off makes boxes that end on a face reach across it by a hair; such a sliver would activate nodes without
+// stiffness.
 constexpr double smallest_overlap = 1e-11;
 // The standard MPM needs a volume to average over: a box this small relative to the particle's is its centre.
 constexpr double point_box = 1e-6;
 } // namespace
 
 template <int dim>
-void add_leaf_shape(const LeafTable<dim>& table,
-                    const unsigned int leaf_number,
-                    const std::array<double, dim>& x,
-                    const double weight,
-                    std::vector<NodeShare<dim>>& shares)
+void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number, const std::array<double, dim>& x,
+                    const double weight, std::vector<NodeShare<dim>>& shares)
 {
   constexpr unsigned int n_vertices = LeafTable<dim>::n_vertices;
   const auto& leaf = table.leaves[leaf_number];
   const double inverse_size = 1. / leaf.size;
   double one_d[dim][2];
   for (unsigned int d = 0; d < dim; ++d)
-    {
-      one_d[d][1] = (x[d] - leaf.lower[d]) * inverse_size;
-      one_d[d][0] = 1. - one_d[d][1];
-    }
+  {
+    one_d[d][1] = (x[d] - leaf.lower[d]) * inverse_size;
+    one_d[d][0] = 1. - one_d[d][1];
+  }
 
   double vertex_value[n_vertices], vertex_gradient[n_vertices][dim];
   for (unsigned int v = 0; v < n_vertices; ++v)
+  {
+    vertex_value[v] = weight;
+    for (unsigned int d = 0; d < dim; ++d)
+      vertex_value[v] *= one_d[d][(v >> d) & 1u];
+    for (unsigned int g = 0; g < dim; ++g)
     {
-      vertex_value[v] = weight;
+      double value = weight * ((v >> g) & 1u ? inverse_size : -inverse_size);
       for (unsigned int d = 0; d < dim; ++d)
-        vertex_value[v] *= one_d[d][(v >> d) & 1u];
-      for (unsigned int g = 0; g < dim; ++g)
-        {
-          double value = weight * ((v >> g) & 1u ? inverse_size : -inverse_size);
-          for (unsigned int d = 0; d < dim; ++d)
-            if (d != g)
-              value *= one_d[d][(v >> d) & 1u];
-          vertex_gradient[v][g] = value;
-        }
+        if (d != g)
+          value *= one_d[d][(v >> d) & 1u];
+      vertex_gradient[v][g] = value;
     }
+  }
 
-  const auto add = [&shares](const unsigned int node, const double factor, const double value, const double* gradient) {
+  const auto add = [&shares](const unsigned int node, const double factor, const double value, const double* gradient)
+  {
     auto share = std::find_if(shares.begin(), shares.end(), [node](const auto& s) { return s.node == node; });
     if (share == shares.end())
       share = shares.insert(shares.end(), NodeShare<dim>{node, 0., {}});
@@ -56,30 +55,28 @@ void add_leaf_shape(const LeafTable<dim>& table,
       share->gradient[d] += factor * gradient[d];
   };
   for (unsigned int n = 0; n < leaf.n_nodes; ++n)
-    {
-      const unsigned int node = table.nodes[leaf.node_begin + n];
-      if (leaf.regular)
-        add(node, 1., vertex_value[n], vertex_gradient[n]);
-      else
-        for (unsigned int v = 0; v < n_vertices; ++v)
-          if (const double factor = table.weights[leaf.weight_begin + v * leaf.n_nodes + n]; factor != 0.)
-            add(node, factor, vertex_value[v], vertex_gradient[v]);
-    }
+  {
+    const unsigned int node = table.nodes[leaf.node_begin + n];
+    if (leaf.regular)
+      add(node, 1., vertex_value[n], vertex_gradient[n]);
+    else
+      for (unsigned int v = 0; v < n_vertices; ++v)
+        if (const double factor = table.weights[leaf.weight_begin + v * leaf.n_nodes + n]; factor != 0.)
+          add(node, factor, vertex_value[v], vertex_gradient[v]);
+  }
 }
 
-template <int dim>
-BoxAverage<dim>::BoxAverage(const LeafTable<dim>& table_) : table(table_)
-{}
+template <int dim> BoxAverage<dim>::BoxAverage(const LeafTable<dim>& table_) : table(table_) {}
 
 template <int dim>
 const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<double, dim>& centre,
                                                            const std::array<double, dim>& half_width)
 {
   for (unsigned int d = 0; d < dim; ++d)
-    {
-      lower[d] = std::max(0., centre[d] - half_width[d]);
-      upper[d] = std::min(table.base_size * table.base_cells[d], centre[d] + half_width[d]);
-    }
+  {
+    lower[d] = std::max(0., centre[d] - half_width[d]);
+    upper[d] = std::min(table.base_size * table.base_cells[d], centre[d] + half_width[d]);
+  }
   candidates.clear();
   overlaps.clear();
   table.find_leaves(lower, upper, candidates);
@@ -87,43 +84,40 @@ const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<doub
   for (unsigned int d = 0; d < dim; ++d)
     box *= upper[d] - lower[d];
   for (const unsigned int candidate : candidates)
+  {
+    const auto& leaf = table.leaves[candidate];
+    double volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      volume *= std::min(upper[d], leaf.lower[d] + leaf.size) - std::max(lower[d], leaf.lower[d]);
+    if (volume > smallest_overlap * box)
     {
-      const auto& leaf = table.leaves[candidate];
-      double volume = 1.;
-      for (unsigned int d = 0; d < dim; ++d)
-        volume *= std::min(upper[d], leaf.lower[d] + leaf.size) - std::max(lower[d], leaf.lower[d]);
-      if (volume > smallest_overlap * box)
-        {
-          overlaps.push_back({candidate, volume});
-          total += volume;
-        }
+      overlaps.push_back({candidate, volume});
+      total += volume;
     }
+  }
   for (Overlap& overlap : overlaps)
     overlap.fraction /= total;
   return overlaps;
 }
 
-template <int dim>
-const std::vector<NodeShare<dim>>& BoxAverage<dim>::average()
+template <int dim> const std::vector<NodeShare<dim>>& BoxAverage<dim>::average()
 {
   shares.clear();
   for (const Overlap& overlap : overlaps)
-    {
-      const auto& leaf = table.leaves[overlap.leaf];
-      std::array<double, dim> middle;
-      for (unsigned int d = 0; d < dim; ++d)
-        middle[d] = 0.5 * (std::min(upper[d], leaf.lower[d] + leaf.size) + std::max(lower[d], leaf.lower[d]));
-      add_leaf_shape<dim>(table, overlap.leaf, middle, overlap.fraction, shares);
-    }
+  {
+    const auto& leaf = table.leaves[overlap.leaf];
+    std::array<double, dim> middle;
+    for (unsigned int d = 0; d < dim; ++d)
+      middle[d] = 0.5 * (std::min(upper[d], leaf.lower[d] + leaf.size) + std::max(lower[d], leaf.lower[d]));
+    add_leaf_shape<dim>(table, overlap.leaf, middle, overlap.fraction, shares);
+  }
   return shares;
 }
 
 template <int dim>
-HostStencils build_stencils(const LeafTable<dim>& table,
-                            const std::vector<std::array<double, dim>>& centre,
+HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
-                            const std::vector<unsigned int>& leaf_of_particle,
-                            const bool point_basis)
+                            const std::vector<unsigned int>& leaf_of_particle, const bool point_basis)
 {
   const std::size_t n = centre.size();
   HostStencils stencils;
@@ -135,54 +129,50 @@ HostStencils build_stencils(const LeafTable<dim>& table,
   std::vector<std::vector<unsigned int>> pattern_leaves; // of the patterns of the current leaf
   std::size_t first_pattern = 0;                         // of the current leaf
   for (std::size_t p = 0; p < n; ++p)
+  {
+    if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
     {
-      if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
-        {
-          first_pattern = stencils.pattern_node_begin.size() - 1;
-          pattern_leaves.clear();
-        }
-      std::array<double, dim> size = half_width[p];
-      if (point_basis)
-        for (double& width : size)
-          width *= point_box;
-      const std::vector<Overlap>& overlaps = box.find_overlaps(centre[p], size);
-      if (overlaps.empty())
-        throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]));
-      const std::vector<NodeShare<dim>>& shares = box.average();
-
-      std::size_t k = 0;
-      for (; k < pattern_leaves.size(); ++k)
-        if (std::equal(pattern_leaves[k].begin(),
-                       pattern_leaves[k].end(),
-                       overlaps.begin(),
-                       overlaps.end(),
-                       [](const unsigned int leaf, const Overlap& overlap) { return leaf == overlap.leaf; }))
-          break;
-      if (k == pattern_leaves.size())
-        {
-          pattern_leaves.emplace_back();
-          for (const Overlap& overlap : overlaps)
-            pattern_leaves.back().push_back(overlap.leaf);
-          for (const NodeShare<dim>& share : shares)
-            stencils.pattern_nodes.push_back(share.node);
-          stencils.pattern_node_begin.push_back(stencils.pattern_nodes.size());
-        }
-      stencils.pattern_of_particle[p] = first_pattern + k;
-      for (const NodeShare<dim>& share : shares)
-        {
-          stencils.value.push_back(share.value);
-          stencils.gradient.insert(stencils.gradient.end(), share.gradient.begin(), share.gradient.end());
-        }
-      stencils.value_begin[p + 1] = stencils.value.size();
+      first_pattern = stencils.pattern_node_begin.size() - 1;
+      pattern_leaves.clear();
     }
+    std::array<double, dim> size = half_width[p];
+    if (point_basis)
+      for (double& width : size)
+        width *= point_box;
+    const std::vector<Overlap>& overlaps = box.find_overlaps(centre[p], size);
+    if (overlaps.empty())
+      throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]));
+    const std::vector<NodeShare<dim>>& shares = box.average();
+
+    std::size_t k = 0;
+    for (; k < pattern_leaves.size(); ++k)
+      if (std::equal(pattern_leaves[k].begin(), pattern_leaves[k].end(), overlaps.begin(), overlaps.end(),
+                     [](const unsigned int leaf, const Overlap& overlap) { return leaf == overlap.leaf; }))
+        break;
+    if (k == pattern_leaves.size())
+    {
+      pattern_leaves.emplace_back();
+      for (const Overlap& overlap : overlaps)
+        pattern_leaves.back().push_back(overlap.leaf);
+      for (const NodeShare<dim>& share : shares)
+        stencils.pattern_nodes.push_back(share.node);
+      stencils.pattern_node_begin.push_back(stencils.pattern_nodes.size());
+    }
+    stencils.pattern_of_particle[p] = first_pattern + k;
+    for (const NodeShare<dim>& share : shares)
+    {
+      stencils.value.push_back(share.value);
+      stencils.gradient.insert(stencils.gradient.end(), share.gradient.begin(), share.gradient.end());
+    }
+    stencils.value_begin[p + 1] = stencils.value.size();
+  }
 
   // particles by pattern, counting sort
   const std::size_t n_patterns = stencils.pattern_node_begin.size() - 1;
   stencils.pattern_particle_begin.assign(n_patterns + 1, 0);
   for (const unsigned int k : stencils.pattern_of_particle)
     ++stencils.pattern_particle_begin[k + 1];
-  std::partial_sum(stencils.pattern_particle_begin.begin(),
-                   stencils.pattern_particle_begin.end(),
+  std::partial_sum(stencils.pattern_particle_begin.begin(), stencils.pattern_particle_begin.end(),
                    stencils.pattern_particle_begin.begin());
   std::vector<unsigned int> next(stencils.pattern_particle_begin.begin(), stencils.pattern_particle_begin.end());
   stencils.pattern_particles.resize(n);
@@ -191,8 +181,7 @@ HostStencils build_stencils(const LeafTable<dim>& table,
   return stencils;
 }
 
-template <int dim>
-StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number)
+template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number)
 {
   StencilSet set;
   set.dim = dim;
@@ -204,30 +193,31 @@ StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>&
   std::vector<unsigned int> order, sorted_nodes;
   std::vector<double> old_value, old_gradient;
   for (std::size_t k = 0; k < set.n_patterns; ++k)
+  {
+    const unsigned int begin = host.pattern_node_begin[k], n = host.pattern_node_begin[k + 1] - begin;
+    set.max_nodes = std::max(set.max_nodes, n);
+    unsigned int* nodes = host.pattern_nodes.data() + begin;
+    order.resize(n);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(),
+              [&](const unsigned int a, const unsigned int b) { return nodes[a] < nodes[b]; });
+    sorted_nodes.clear();
+    for (const unsigned int i : order)
+      sorted_nodes.push_back(nodes[i]);
+    std::copy(sorted_nodes.begin(), sorted_nodes.end(), nodes);
+    for (unsigned int i = host.pattern_particle_begin[k]; i < host.pattern_particle_begin[k + 1]; ++i)
     {
-      const unsigned int begin = host.pattern_node_begin[k], n = host.pattern_node_begin[k + 1] - begin;
-      set.max_nodes = std::max(set.max_nodes, n);
-      unsigned int* nodes = host.pattern_nodes.data() + begin;
-      order.resize(n);
-      std::iota(order.begin(), order.end(), 0u);
-      std::sort(order.begin(), order.end(), [&](const unsigned int a, const unsigned int b) { return nodes[a] < nodes[b]; });
-      sorted_nodes.clear();
-      for (const unsigned int i : order)
-        sorted_nodes.push_back(nodes[i]);
-      std::copy(sorted_nodes.begin(), sorted_nodes.end(), nodes);
-      for (unsigned int i = host.pattern_particle_begin[k]; i < host.pattern_particle_begin[k + 1]; ++i)
-        {
-          double* value = host.value.data() + host.value_begin[host.pattern_particles[i]];
-          double* gradient = host.gradient.data() + dim * host.value_begin[host.pattern_particles[i]];
-          old_value.assign(value, value + n);
-          old_gradient.assign(gradient, gradient + dim * n);
-          for (unsigned int v = 0; v < n; ++v)
-            {
-              value[v] = old_value[order[v]];
-              std::copy_n(old_gradient.data() + dim * order[v], dim, gradient + dim * v);
-            }
-        }
+      double* value = host.value.data() + host.value_begin[host.pattern_particles[i]];
+      double* gradient = host.gradient.data() + dim * host.value_begin[host.pattern_particles[i]];
+      old_value.assign(value, value + n);
+      old_gradient.assign(gradient, gradient + dim * n);
+      for (unsigned int v = 0; v < n; ++v)
+      {
+        value[v] = old_value[order[v]];
+        std::copy_n(old_gradient.data() + dim * order[v], dim, gradient + dim * v);
+      }
     }
+  }
 
   set.pattern_node_begin = upload(host.pattern_node_begin, "pattern node begin");
   set.pattern_nodes = upload(host.pattern_nodes, "pattern nodes");
@@ -240,21 +230,17 @@ StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>&
   return set;
 }
 
-template void add_leaf_shape<2>(
-  const LeafTable<2>&, unsigned int, const std::array<double, 2>&, double, std::vector<NodeShare<2>>&);
-template void add_leaf_shape<3>(
-  const LeafTable<3>&, unsigned int, const std::array<double, 3>&, double, std::vector<NodeShare<3>>&);
+template void add_leaf_shape<2>(const LeafTable<2>&, unsigned int, const std::array<double, 2>&, double,
+                                std::vector<NodeShare<2>>&);
+template void add_leaf_shape<3>(const LeafTable<3>&, unsigned int, const std::array<double, 3>&, double,
+                                std::vector<NodeShare<3>>&);
 template class BoxAverage<2>;
 template class BoxAverage<3>;
-template HostStencils build_stencils<2>(const LeafTable<2>&,
-                                        const std::vector<std::array<double, 2>>&,
-                                        const std::vector<std::array<double, 2>>&,
-                                        const std::vector<unsigned int>&,
+template HostStencils build_stencils<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
+                                        const std::vector<std::array<double, 2>>&, const std::vector<unsigned int>&,
                                         bool);
-template HostStencils build_stencils<3>(const LeafTable<3>&,
-                                        const std::vector<std::array<double, 3>>&,
-                                        const std::vector<std::array<double, 3>>&,
-                                        const std::vector<unsigned int>&,
+template HostStencils build_stencils<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
+                                        const std::vector<std::array<double, 3>>&, const std::vector<unsigned int>&,
                                         bool);
 template StencilSet upload_stencils<2>(HostStencils&&, const std::vector<unsigned int>&);
 template StencilSet upload_stencils<3>(HostStencils&&, const std::vector<unsigned int>&);

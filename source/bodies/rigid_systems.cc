@@ -26,37 +26,35 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
 {
   RigidSystems systems;
   for (std::size_t s = 0; s < parameters.size(); ++s)
+  {
+    const SystemParameters& system = parameters[s];
+    const unsigned int first = systems.points.size();
+    systems.first_point.push_back(first);
+    for (const PointParameters& point : system.points)
+      systems.points.emplace_back(point, system.offset, dim);
+    for (std::size_t i = 0; i < system.surfaces.size(); ++i)
     {
-      const SystemParameters& system = parameters[s];
-      const unsigned int first = systems.points.size();
-      systems.first_point.push_back(first);
-      for (const PointParameters& point : system.points)
-        systems.points.emplace_back(point, system.offset, dim);
-      for (std::size_t i = 0; i < system.surfaces.size(); ++i)
-        {
-          const SurfaceParameters& surface = system.surfaces[i];
-          const PointParameters& point = system.points[surface.point - 1];
-          const std::string path = fmt::format("rigid bodies[{}].{}[{}]", s, dim == 3 ? "stl files" : "outline", i);
-          TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
-          // drawn in global coordinates before the offset, like the points
-          systems.surfaces.push_back(
-            {Surface(in_body_frame(std::move(mesh), to_vector(point.position, dim))), first + surface.point - 1});
-        }
-      for (const TrackedNodeParameters& node : system.tracked_nodes)
-        systems.tracked.push_back({to_vector(node.position, dim) -
-                                     to_vector(system.points[node.point - 1].position, dim),
-                                   first + node.point - 1});
+      const SurfaceParameters& surface = system.surfaces[i];
+      const PointParameters& point = system.points[surface.point - 1];
+      const std::string path = fmt::format("rigid bodies[{}].{}[{}]", s, dim == 3 ? "stl files" : "outline", i);
+      TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
+      // drawn in global coordinates before the offset, like the points
+      systems.surfaces.push_back(
+          {Surface(in_body_frame(std::move(mesh), to_vector(point.position, dim))), first + surface.point - 1});
     }
+    for (const TrackedNodeParameters& node : system.tracked_nodes)
+      systems.tracked.push_back({to_vector(node.position, dim) - to_vector(system.points[node.point - 1].position, dim),
+                                 first + node.point - 1});
+  }
   return systems;
 }
 
-void apply_conditions(RigidSystems& systems,
-                      const std::vector<SystemParameters>& parameters,
-                      const std::vector<PointConditionsOverride>& overrides,
-                      const unsigned int dim)
+void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>& parameters,
+                      const std::vector<PointConditionsOverride>& overrides, const unsigned int dim)
 {
   // a point made of the conditions alone knows how they read in plane strain
-  const auto set = [&](const std::size_t system, const std::size_t point, const std::array<DofCondition, 6>& conditions) {
+  const auto set = [&](const std::size_t system, const std::size_t point, const std::array<DofCondition, 6>& conditions)
+  {
     PointParameters changed;
     changed.conditions = conditions;
     systems.points[systems.first_point[system] + point].conditions = RigidPoint(changed, {}, dim).conditions;
@@ -74,11 +72,11 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
   std::array<Eigen::Vector3d, 2> box{{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)}};
   for (const WeldedSurface& welded : systems.surfaces)
     for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
-      {
-        const Eigen::Vector3d x = systems.points[welded.point].pose.to_world(vertex);
-        box[0] = box[0].cwiseMin(x);
-        box[1] = box[1].cwiseMax(x);
-      }
+    {
+      const Eigen::Vector3d x = systems.points[welded.point].pose.to_world(vertex);
+      box[0] = box[0].cwiseMin(x);
+      box[1] = box[1].cwiseMax(x);
+    }
   return box;
 }
 
@@ -93,8 +91,9 @@ void place_on_surface(RigidSystems& systems, const unsigned int axis, const doub
 
 bool is_inside(const RigidSystems& systems, const Eigen::Vector3d& x)
 {
-  return std::any_of(systems.surfaces.begin(), systems.surfaces.end(), [&](const WeldedSurface& welded) {
-    return welded.surface.closest_point_within(systems.points[welded.point].pose.to_body(x), 0.).has_value();
-  });
+  return std::any_of(
+      systems.surfaces.begin(), systems.surfaces.end(),
+      [&](const WeldedSurface& welded)
+      { return welded.surface.closest_point_within(systems.points[welded.point].pose.to_body(x), 0.).has_value(); });
 }
 } // namespace kedge

@@ -13,16 +13,14 @@ namespace
 /// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
 constexpr double nudge = 1e-6;
 
-template <int dim>
-Eigen::Vector3d to_world(const std::array<double, dim>& x)
+template <int dim> Eigen::Vector3d to_world(const std::array<double, dim>& x)
 {
   // plane strain happens in the plane y = 0
   return dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]);
 }
 
 /// Row of the world vector that a nodal component belongs to.
-template <int dim>
-constexpr unsigned int world_axis(const unsigned int component)
+template <int dim> constexpr unsigned int world_axis(const unsigned int component)
 {
   return dim == 2 && component == 1 ? 2 : component;
 }
@@ -34,127 +32,120 @@ ContactStiffness make_stiffness(const ContactParameters& parameters, const doubl
   const double area = std::pow(size, dim - 1);
   const double corner_share = dim == 3 ? 0.25 : 0.5; // of the particle's face
   const double unit = young * area / size * corner_share;
-  return {parameters.normal_penalty_factor * unit,
-          parameters.tangential_penalty_factor * unit,
+  return {parameters.normal_penalty_factor * unit, parameters.tangential_penalty_factor * unit,
           parameters.friction_coefficient};
 }
 
 Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
 {
   switch (closest.feature)
-    {
-      case Feature::edge:
-        return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
-      case Feature::vertex:
-        return Eigen::Matrix3d::Identity();
-      default:
-        return closest.normal * closest.normal.transpose();
-    }
+  {
+    case Feature::edge:
+      return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
+    case Feature::vertex:
+      return Eigen::Matrix3d::Identity();
+    default:
+      return closest.normal * closest.normal.transpose();
+  }
 }
 } // namespace
 
 template <int dim>
 Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm communicator_)
-  : parameters(parameters_),
-    communicator(communicator_)
-{}
+    : parameters(parameters_), communicator(communicator_)
+{
+}
 
 template <int dim>
-void Contact<dim>::find_pairs(const RigidSystems& bodies,
-                              const LeafTable<dim>& table,
-                              const ContactParticles<dim>& particles,
-                              const std::vector<unsigned int>& number,
+void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table,
+                              const ContactParticles<dim>& particles, const std::vector<unsigned int>& number,
                               const double reach)
 {
   pairs.clear();
   points = PointForces();
   std::vector<NodeShare<dim>> shares;
   for (std::size_t p = 0; p < particles.centre.size(); ++p)
+  {
+    double radius = reach;
+    for (const double half : particles.half_width[p])
+      radius += 2. * half;
+    std::vector<unsigned int> near;
+    for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
     {
-      double radius = reach;
-      for (const double half : particles.half_width[p])
-        radius += 2. * half;
-      std::vector<unsigned int> near;
-      for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
-        {
-          const WeldedSurface& welded = bodies.surfaces[s];
-          const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(to_world<dim>(particles.centre[p]));
-          if (!welded.surface.surely_farther_than(x, radius) && welded.surface.closest_point_within(x, radius))
-            near.push_back(s);
-        }
-      if (near.empty())
-        continue;
-
-      const ContactStiffness stiffness =
-        make_stiffness<dim>(parameters, particles.initial_volume[p], particles.young[p]);
-      for (unsigned int corner = 0; corner < (1u << dim); ++corner)
-        {
-          std::array<double, dim> x, inside;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              const double sign = (corner >> d) & 1u ? 1. : -1., half = particles.half_width[p][d];
-              x[d] = particles.centre[p][d] + sign * half;
-              inside[d] = std::clamp(particles.centre[p][d] + sign * half * (1. - nudge),
-                                     0.,
-                                     table.base_size * table.base_cells[d]);
-            }
-          const int leaf = table.find_leaf(inside);
-          if (leaf < 0)
-            continue;
-          for (unsigned int d = 0; d < dim; ++d) // the corner itself, so that moments balance too
-            inside[d] = std::clamp(x[d], table.leaves[leaf].lower[d], table.leaves[leaf].lower[d] + table.leaves[leaf].size);
-          shares.clear();
-          add_leaf_shape<dim>(table, leaf, inside, 1., shares);
-          // a sliver of the box may reach into a leaf without making all its nodes active
-          shares.erase(std::remove_if(shares.begin(),
-                                      shares.end(),
-                                      [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
-                       shares.end());
-          double sum = 0.;
-          for (const NodeShare<dim>& share : shares)
-            sum += share.value;
-          if (!(sum > 0.))
-            continue;
-          const unsigned int point = points.n_points();
-          for (const NodeShare<dim>& share : shares)
-            {
-              points.nodes.push_back(number[share.node]);
-              points.weights.push_back(share.value / sum);
-            }
-          points.begin.push_back(points.nodes.size());
-          for (const unsigned int s : near)
-            {
-              Pair pair;
-              pair.key = {particles.id[p], corner, s};
-              pair.point = point;
-              pair.start = to_world<dim>(x);
-              pair.stiffness = stiffness;
-              if (const auto entry = history.find(pair.key); entry != history.end())
-                pair.committed = entry->second;
-              pair.trial = pair.committed;
-              pairs.push_back(pair);
-            }
-        }
+      const WeldedSurface& welded = bodies.surfaces[s];
+      const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(to_world<dim>(particles.centre[p]));
+      if (!welded.surface.surely_farther_than(x, radius) && welded.surface.closest_point_within(x, radius))
+        near.push_back(s);
     }
+    if (near.empty())
+      continue;
+
+    const ContactStiffness stiffness = make_stiffness<dim>(parameters, particles.initial_volume[p], particles.young[p]);
+    for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+    {
+      std::array<double, dim> x, inside;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double sign = (corner >> d) & 1u ? 1. : -1., half = particles.half_width[p][d];
+        x[d] = particles.centre[p][d] + sign * half;
+        inside[d] =
+            std::clamp(particles.centre[p][d] + sign * half * (1. - nudge), 0., table.base_size * table.base_cells[d]);
+      }
+      const int leaf = table.find_leaf(inside);
+      if (leaf < 0)
+        continue;
+      for (unsigned int d = 0; d < dim; ++d) // the corner itself, so that moments balance too
+        inside[d] =
+            std::clamp(x[d], table.leaves[leaf].lower[d], table.leaves[leaf].lower[d] + table.leaves[leaf].size);
+      shares.clear();
+      add_leaf_shape<dim>(table, leaf, inside, 1., shares);
+      // a sliver of the box may reach into a leaf without making all its nodes active
+      shares.erase(std::remove_if(shares.begin(), shares.end(),
+                                  [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
+                   shares.end());
+      double sum = 0.;
+      for (const NodeShare<dim>& share : shares)
+        sum += share.value;
+      if (!(sum > 0.))
+        continue;
+      const unsigned int point = points.n_points();
+      for (const NodeShare<dim>& share : shares)
+      {
+        points.nodes.push_back(number[share.node]);
+        points.weights.push_back(share.value / sum);
+      }
+      points.begin.push_back(points.nodes.size());
+      for (const unsigned int s : near)
+      {
+        Pair pair;
+        pair.key = {particles.id[p], corner, s};
+        pair.point = point;
+        pair.start = to_world<dim>(x);
+        pair.stiffness = stiffness;
+        if (const auto entry = history.find(pair.key); entry != history.end())
+          pair.committed = entry->second;
+        pair.trial = pair.committed;
+        pairs.push_back(pair);
+      }
+    }
+  }
   points.force.assign(3 * points.n_points(), 0.);
   points.tangent.assign(9 * points.n_points(), 0.);
 }
 
-template <int dim>
-void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
+template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
 {
   for (Pair& pair : pairs)
+  {
+    const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+    const auto closest = welded.surface.closest_point_within(bodies.points[welded.point].pose.to_body(pair.start), 0.);
+    if (closest && closest->gap < 0.)
     {
-      const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
-      const auto closest =
-        welded.surface.closest_point_within(bodies.points[welded.point].pose.to_body(pair.start), 0.);
-      if (closest && closest->gap < 0.)
-        {
-          pair.committed.reference_gap = closest->gap;
-          pair.trial = pair.committed;
-          history[pair.key] = pair.committed;
-        }
+      pair.committed.reference_gap = closest->gap;
+      pair.trial = pair.committed;
+      history[pair.key] = pair.committed;
     }
+  }
 }
 
 template <int dim>
@@ -168,8 +159,7 @@ Eigen::Vector3d Contact<dim>::corner_displacement(const Pair& pair, const double
 }
 
 template <int dim>
-const PointForces& Contact<dim>::evaluate(const RigidSystems& committed,
-                                          const std::vector<Vector6>& increments,
+const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
                                           const double* nodal_increment)
 {
   std::vector<Pose> moved;
@@ -180,46 +170,45 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed,
   std::fill(points.tangent.begin(), points.tangent.end(), 0.);
   touching.clear();
   for (Pair& pair : pairs)
+  {
+    const WeldedSurface& welded = committed.surfaces[pair.key.surface];
+    const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
+    const Eigen::Vector3d displacement = corner_displacement(pair, nodal_increment);
+    pair.position = pair.start + displacement;
+    pair.active = false;
+    pair.force.setZero();
+    pair.gap = std::numeric_limits<double>::infinity();
+    pair.trial = History();
+    const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), 0.);
+    if (!closest)
+      continue;
+    pair.gap = closest->gap;
+    // a corner that comes out of its first penetration finds the true surface when it returns
+    pair.trial.reference_gap = std::min(0., std::max(pair.committed.reference_gap, closest->gap));
+
+    ContactGeometry at;
+    at.distance = closest->gap;
+    at.gap = closest->gap - pair.committed.reference_gap;
+    at.normal = now.direction_to_world(closest->normal);
+    const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
+    at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
+    at.slip = displacement - (now.to_world(closest->point) - before.to_world(closest->point));
+    const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.committed.tangential));
+
+    const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);
+    pair.active = response.active;
+    pair.force = response.force;
+    pair.trial.tangential = response.tangential;
+    if (!response.active)
+      continue;
+    touching.push_back({pair.position, pair.force, pair.key.surface});
+    for (unsigned int i = 0; i < dim; ++i)
     {
-      const WeldedSurface& welded = committed.surfaces[pair.key.surface];
-      const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
-      const Eigen::Vector3d displacement = corner_displacement(pair, nodal_increment);
-      pair.position = pair.start + displacement;
-      pair.active = false;
-      pair.force.setZero();
-      pair.gap = std::numeric_limits<double>::infinity();
-      pair.trial = History();
-      const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), 0.);
-      if (!closest)
-        continue;
-      pair.gap = closest->gap;
-      // a corner that comes out of its first penetration finds the true surface when it returns
-      pair.trial.reference_gap = std::min(0., std::max(pair.committed.reference_gap, closest->gap));
-
-      ContactGeometry at;
-      at.distance = closest->gap;
-      at.gap = closest->gap - pair.committed.reference_gap;
-      at.normal = now.direction_to_world(closest->normal);
-      const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
-      at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
-      at.slip = displacement - (now.to_world(closest->point) - before.to_world(closest->point));
-      const Eigen::Vector3d previous =
-        now.direction_to_world(before.direction_to_body(pair.committed.tangential));
-
-      const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);
-      pair.active = response.active;
-      pair.force = response.force;
-      pair.trial.tangential = response.tangential;
-      if (!response.active)
-        continue;
-      touching.push_back({pair.position, pair.force, pair.key.surface});
-      for (unsigned int i = 0; i < dim; ++i)
-        {
-          points.force[3 * pair.point + i] += response.force[world_axis<dim>(i)];
-          for (unsigned int j = 0; j < dim; ++j)
-            points.tangent[9 * pair.point + 3 * i + j] += response.tangent(world_axis<dim>(i), world_axis<dim>(j));
-        }
+      points.force[3 * pair.point + i] += response.force[world_axis<dim>(i)];
+      for (unsigned int j = 0; j < dim; ++j)
+        points.tangent[9 * pair.point + 3 * i + j] += response.tangent(world_axis<dim>(i), world_axis<dim>(j));
     }
+  }
   return points;
 }
 
@@ -229,19 +218,18 @@ BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<V
   BodyLoads result(committed.points.size(), Vector6::Zero());
   for (const Pair& pair : pairs)
     if (pair.active)
-      {
-        const unsigned int point = committed.surfaces[pair.key.surface].point;
-        const Eigen::Vector3d arm = pair.position - committed.points[point].pose.moved(increments[point]).position;
-        result[point].template head<3>() -= pair.force;
-        result[point].template tail<3>() -= arm.cross(pair.force);
-      }
+    {
+      const unsigned int point = committed.surfaces[pair.key.surface].point;
+      const Eigen::Vector3d arm = pair.position - committed.points[point].pose.moved(increments[point]).position;
+      result[point].template head<3>() -= pair.force;
+      result[point].template tail<3>() -= arm.cross(pair.force);
+    }
   if (!result.empty())
     MPI_Allreduce(MPI_IN_PLACE, result.data(), 6 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
   return result;
 }
 
-template <int dim>
-void Contact<dim>::commit()
+template <int dim> void Contact<dim>::commit()
 {
   history.clear();
   for (const Pair& pair : pairs)
@@ -249,8 +237,7 @@ void Contact<dim>::commit()
       history[pair.key] = pair.trial;
 }
 
-template <int dim>
-void Contact<dim>::follow_particles(const std::vector<long long>& ids)
+template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
 {
   if (size_of(communicator) == 1)
     return;
@@ -265,44 +252,40 @@ void Contact<dim>::follow_particles(const std::vector<long long>& ids)
     if (here.count(entry->first.particle))
       ++entry;
     else
-      {
-        const History& state = entry->second;
-        leaving.push_back({entry->first,
-                           {state.tangential[0], state.tangential[1], state.tangential[2]},
-                           state.reference_gap});
-        entry = history.erase(entry);
-      }
+    {
+      const History& state = entry->second;
+      leaving.push_back(
+          {entry->first, {state.tangential[0], state.tangential[1], state.tangential[2]}, state.reference_gap});
+      entry = history.erase(entry);
+    }
   for (const Parcel& parcel : gather_everywhere(leaving, communicator))
     if (here.count(parcel.key.particle))
-      {
-        History& state = history[parcel.key];
-        state.tangential = Eigen::Map<const Eigen::Vector3d>(parcel.tangential);
-        state.reference_gap = parcel.reference_gap;
-      }
+    {
+      History& state = history[parcel.key];
+      state.tangential = Eigen::Map<const Eigen::Vector3d>(parcel.tangential);
+      state.reference_gap = parcel.reference_gap;
+    }
 }
 
-template <int dim>
-std::map<long long, double> Contact<dim>::smallest_gaps() const
+template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps() const
 {
   std::map<long long, double> gaps;
   for (const Pair& pair : pairs)
-    {
-      const auto [entry, is_new] = gaps.emplace(pair.key.particle, pair.gap);
-      if (!is_new)
-        entry->second = std::min(entry->second, pair.gap);
-    }
+  {
+    const auto [entry, is_new] = gaps.emplace(pair.key.particle, pair.gap);
+    if (!is_new)
+      entry->second = std::min(entry->second, pair.gap);
+  }
   return gaps;
 }
 
-template <int dim>
-long long Contact<dim>::n_active() const
+template <int dim> long long Contact<dim>::n_active() const
 {
   const long long here = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.active; });
   return sum_over_ranks(here, communicator);
 }
 
-template <int dim>
-double Contact<dim>::deepest_penetration() const
+template <int dim> double Contact<dim>::deepest_penetration() const
 {
   double deepest = 0.;
   for (const Pair& pair : pairs)

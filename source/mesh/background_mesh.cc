@@ -21,19 +21,13 @@ struct LeafNodes
   std::vector<double> positions; ///< dim per node
   std::vector<double> weights;   ///< vertex-major; empty where no vertex hangs
 
-  template <class Archive>
-  void serialize(Archive& archive, const unsigned int)
-  {
-    archive& ids& positions& weights;
-  }
+  template <class Archive> void serialize(Archive& archive, const unsigned int) { archive& ids& positions& weights; }
 };
 
-template <int dim>
-using CellRange = typename dealii::DoFHandler<dim>::active_cell_iterator;
+template <int dim> using CellRange = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
 template <int dim>
-LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell,
-                                   const dealii::AffineConstraints<double>& constraints,
+LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell, const dealii::AffineConstraints<double>& constraints,
                                    const std::unordered_map<global_dof_index, dealii::Point<dim>>& master_positions)
 {
   constexpr unsigned int n_vertices = 1u << dim;
@@ -41,7 +35,8 @@ LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell,
   cell->get_dof_indices(vertex_ids);
 
   LeafNodes leaf;
-  const auto add_node = [&leaf](const global_dof_index id, const dealii::Point<dim>& position) {
+  const auto add_node = [&leaf](const global_dof_index id, const dealii::Point<dim>& position)
+  {
     for (unsigned int i = 0; i < leaf.ids.size(); ++i)
       if (leaf.ids[i] == id)
         return i;
@@ -63,11 +58,11 @@ LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell,
   for (unsigned int i = 0; !hanging && i < n_vertices; ++i)
     hanging = leaf.ids[i] != vertex_ids[i];
   if (hanging)
-    {
-      leaf.weights.assign(n_vertices * leaf.ids.size(), 0.);
-      for (const auto& [vertex, node, weight] : entries)
-        leaf.weights[unsigned(vertex) * leaf.ids.size() + unsigned(node)] += weight;
-    }
+  {
+    leaf.weights.assign(n_vertices * leaf.ids.size(), 0.);
+    for (const auto& [vertex, node, weight] : entries)
+      leaf.weights[unsigned(vertex) * leaf.ids.size() + unsigned(node)] += weight;
+  }
   return leaf;
 }
 
@@ -78,18 +73,17 @@ std::unordered_map<global_dof_index, dealii::Point<dim>> find_vertex_positions(c
   std::vector<global_dof_index> ids(1u << dim);
   for (const auto& cell : nodes.active_cell_iterators())
     if (!cell->is_artificial())
-      {
-        cell->get_dof_indices(ids);
-        for (unsigned int v = 0; v < ids.size(); ++v)
-          positions.emplace(ids[v], cell->vertex(v));
-      }
+    {
+      cell->get_dof_indices(ids);
+      for (unsigned int v = 0; v < ids.size(); ++v)
+        positions.emplace(ids[v], cell->vertex(v));
+    }
   return positions;
 }
 
-/// Nodes of every owned and ghost leaf, by active cell index. A ghost leaf's vertices may hang on cells that this rank does
-/// not know, so meshes with hanging nodes take the ghosts' nodes from their owners.
-template <int dim>
-std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes)
+/// Nodes of every owned and ghost leaf, by active cell index. A ghost leaf's vertices may hang on cells that this rank
+/// does not know, so meshes with hanging nodes take the ghosts' nodes from their owners.
+template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes)
 {
   dealii::IndexSet relevant;
   dealii::DoFTools::extract_locally_relevant_dofs(nodes, relevant);
@@ -110,9 +104,8 @@ std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes)
       leaf_nodes[cell->active_cell_index()] = resolve_hanging_vertices<dim>(cell, constraints, positions);
   if (ask_owners)
     dealii::GridTools::exchange_cell_data_to_ghosts<LeafNodes, dealii::DoFHandler<dim>>(
-      nodes,
-      [&](const auto& cell) { return leaf_nodes[cell->active_cell_index()]; },
-      [&](const auto& cell, const LeafNodes& received) { leaf_nodes[cell->active_cell_index()] = received; });
+        nodes, [&](const auto& cell) { return leaf_nodes[cell->active_cell_index()]; },
+        [&](const auto& cell, const LeafNodes& received) { leaf_nodes[cell->active_cell_index()] = received; });
   return leaf_nodes;
 }
 } // namespace
@@ -123,21 +116,20 @@ namespace
 MPI_Comm silence_p4est(const MPI_Comm communicator)
 {
   if (sc_package_id < 0)
-    {
-      sc_init(communicator, 0, 0, nullptr, SC_LP_SILENT);
-      p4est_init(nullptr, SC_LP_SILENT);
-    }
+  {
+    sc_init(communicator, 0, 0, nullptr, SC_LP_SILENT);
+    p4est_init(nullptr, SC_LP_SILENT);
+  }
   return communicator;
 }
 } // namespace
 
 template <int dim>
 BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>& layout)
-  : grid(layout),
-    forest(silence_p4est(communicator),
-           dealii::Triangulation<dim>::none,
-           dealii::parallel::distributed::Triangulation<dim>::no_automatic_repartitioning),
-    nodes(forest)
+    : grid(layout),
+      forest(silence_p4est(communicator), dealii::Triangulation<dim>::none,
+             dealii::parallel::distributed::Triangulation<dim>::no_automatic_repartitioning),
+      nodes(forest)
 {
   dealii::Point<dim> upper;
   for (unsigned int d = 0; d < dim; ++d)
@@ -147,25 +139,18 @@ BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>
   update();
 }
 
-template <int dim>
-void BackgroundMesh<dim>::set_cell_weight(std::function<double(const Cell&)> weight)
+template <int dim> void BackgroundMesh<dim>::set_cell_weight(std::function<double(const Cell&)> weight)
 {
   forest.signals.weight.disconnect_all_slots();
   forest.signals.weight.connect(
-    [weight](const typename dealii::Triangulation<dim>::cell_iterator& cell,
-             const typename dealii::parallel::distributed::Triangulation<dim>::CellStatus) -> unsigned int {
-      return cell->is_active() ? static_cast<unsigned int>(10. * weight(Cell(cell))) : 10u;
-    });
+      [weight](const typename dealii::Triangulation<dim>::cell_iterator& cell,
+               const typename dealii::parallel::distributed::Triangulation<dim>::CellStatus) -> unsigned int
+      { return cell->is_active() ? static_cast<unsigned int>(10. * weight(Cell(cell))) : 10u; });
 }
 
-template <int dim>
-void BackgroundMesh<dim>::repartition()
-{
-  forest.repartition();
-}
+template <int dim> void BackgroundMesh<dim>::repartition() { forest.repartition(); }
 
-template <int dim>
-void BackgroundMesh<dim>::update()
+template <int dim> void BackgroundMesh<dim>::update()
 {
   nodes.distribute_dofs(dealii::FE_Q<dim>(1));
   const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);
@@ -183,64 +168,66 @@ void BackgroundMesh<dim>::update()
   leaf_of_cell.assign(forest.n_active_cells(), dealii::numbers::invalid_unsigned_int);
 
   std::unordered_map<global_dof_index, unsigned int> local_number;
-  const auto number_node = [&](const global_dof_index id, const double* position) {
+  const auto number_node = [&](const global_dof_index id, const double* position)
+  {
     const auto [entry, is_new] = local_number.emplace(id, table.node_ids.size());
     if (is_new)
-      {
-        table.node_ids.push_back(id);
-        std::array<double, dim> x;
-        std::copy_n(position, dim, x.begin());
-        table.node_position.push_back(x);
-        table.node_owner_is_me.push_back(owned.is_element(id));
-      }
+    {
+      table.node_ids.push_back(id);
+      std::array<double, dim> x;
+      std::copy_n(position, dim, x.begin());
+      table.node_position.push_back(x);
+      table.node_owner_is_me.push_back(owned.is_element(id));
+    }
     return entry->second;
   };
 
   const std::function<void(const typename dealii::Triangulation<dim>::cell_iterator&, std::size_t)> enter =
-    [&](const typename dealii::Triangulation<dim>::cell_iterator& cell, const std::size_t entry) {
-      if (cell->has_children())
-        {
-          const std::size_t first = table.tree.size();
-          table.tree[entry] = static_cast<std::int32_t>(first);
-          table.tree.resize(first + LeafTable<dim>::n_vertices, LeafTable<dim>::unknown);
-          for (unsigned int child = 0; child < LeafTable<dim>::n_vertices; ++child)
-            enter(cell->child(child), first + child);
-          return;
-        }
-      const Cell active(cell);
-      if (active->is_artificial())
-        return;
-      const LeafNodes& source = leaf_nodes[active->active_cell_index()];
-      typename LeafTable<dim>::Leaf leaf;
-      for (unsigned int d = 0; d < dim; ++d)
-        leaf.lower[d] = active->vertex(0)[d];
-      leaf.size = grid.base_size / double(1u << active->level());
-      leaf.node_begin = table.nodes.size();
-      leaf.weight_begin = table.weights.size();
-      leaf.n_nodes = source.ids.size();
-      leaf.regular = source.weights.empty();
-      leaf.owned = active->is_locally_owned();
-      leaf.owner = active->subdomain_id();
-      leaf.tree_level = active->level();
-      leaf.tree_index = active->index();
-      for (unsigned int i = 0; i < source.ids.size(); ++i)
-        table.nodes.push_back(number_node(source.ids[i], source.positions.data() + dim * i));
-      table.weights.insert(table.weights.end(), source.weights.begin(), source.weights.end());
-      leaf_of_cell[active->active_cell_index()] = table.leaves.size();
-      table.tree[entry] = -1 - static_cast<std::int32_t>(table.leaves.size());
-      table.leaves.push_back(leaf);
-    };
+      [&](const typename dealii::Triangulation<dim>::cell_iterator& cell, const std::size_t entry)
+  {
+    if (cell->has_children())
+    {
+      const std::size_t first = table.tree.size();
+      table.tree[entry] = static_cast<std::int32_t>(first);
+      table.tree.resize(first + LeafTable<dim>::n_vertices, LeafTable<dim>::unknown);
+      for (unsigned int child = 0; child < LeafTable<dim>::n_vertices; ++child)
+        enter(cell->child(child), first + child);
+      return;
+    }
+    const Cell active(cell);
+    if (active->is_artificial())
+      return;
+    const LeafNodes& source = leaf_nodes[active->active_cell_index()];
+    typename LeafTable<dim>::Leaf leaf;
+    for (unsigned int d = 0; d < dim; ++d)
+      leaf.lower[d] = active->vertex(0)[d];
+    leaf.size = grid.base_size / double(1u << active->level());
+    leaf.node_begin = table.nodes.size();
+    leaf.weight_begin = table.weights.size();
+    leaf.n_nodes = source.ids.size();
+    leaf.regular = source.weights.empty();
+    leaf.owned = active->is_locally_owned();
+    leaf.owner = active->subdomain_id();
+    leaf.tree_level = active->level();
+    leaf.tree_index = active->index();
+    for (unsigned int i = 0; i < source.ids.size(); ++i)
+      table.nodes.push_back(number_node(source.ids[i], source.positions.data() + dim * i));
+    table.weights.insert(table.weights.end(), source.weights.begin(), source.weights.end());
+    leaf_of_cell[active->active_cell_index()] = table.leaves.size();
+    table.tree[entry] = -1 - static_cast<std::int32_t>(table.leaves.size());
+    table.leaves.push_back(leaf);
+  };
 
   for (const auto& cell : forest.cell_iterators_on_level(0))
+  {
+    std::size_t entry = 0, stride = 1;
+    for (unsigned int d = 0; d < dim; ++d)
     {
-      std::size_t entry = 0, stride = 1;
-      for (unsigned int d = 0; d < dim; ++d)
-        {
-          entry += stride * static_cast<std::size_t>(std::lround(cell->vertex(0)[d] / grid.base_size));
-          stride *= grid.base_cells[d];
-        }
-      enter(cell, entry);
+      entry += stride * static_cast<std::size_t>(std::lround(cell->vertex(0)[d] / grid.base_size));
+      stride *= grid.base_cells[d];
     }
+    enter(cell, entry);
+  }
 }
 
 template class BackgroundMesh<2>;

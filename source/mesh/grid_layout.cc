@@ -22,10 +22,8 @@ double round_down_to_level(const double size, const double finest)
 }
 
 template <int dim>
-GridLayout<dim> make_grid_layout(const double base,
-                                 const std::vector<double>& sizes,
-                                 const std::array<double, dim - 1>& footprint,
-                                 const double soil_thickness,
+GridLayout<dim> make_grid_layout(const double base, const std::vector<double>& sizes,
+                                 const std::array<double, dim - 1>& footprint, const double soil_thickness,
                                  const unsigned int particles_per_axis)
 {
   GridLayout<dim> grid;
@@ -34,10 +32,10 @@ GridLayout<dim> make_grid_layout(const double base,
     grid.finest_size = std::min(grid.finest_size, size);
   grid.base_size = round_down_to_level(base, grid.finest_size);
   for (unsigned int axis = 0; axis < dim - 1; ++axis)
-    {
-      grid.base_cells[axis] = count_rounded_up(footprint[axis], grid.base_size);
-      grid.soil_extent[axis] = grid.extent(axis);
-    }
+  {
+    grid.base_cells[axis] = count_rounded_up(footprint[axis], grid.base_size);
+    grid.soil_extent[axis] = grid.extent(axis);
+  }
   const double row = grid.base_size / particles_per_axis;
   grid.soil_extent[dim - 1] = row * count_rounded_up(soil_thickness, row);
   grid.base_cells[dim - 1] = count_rounded_up(2. * grid.soil_extent[dim - 1], grid.base_size);
@@ -46,8 +44,8 @@ GridLayout<dim> make_grid_layout(const double base,
 
 template struct GridLayout<2>;
 template struct GridLayout<3>;
-template GridLayout<2> make_grid_layout<2>(
-  double, const std::vector<double>&, const std::array<double, 1>&, double, unsigned int);
-template GridLayout<3> make_grid_layout<3>(
-  double, const std::vector<double>&, const std::array<double, 2>&, double, unsigned int);
+template GridLayout<2> make_grid_layout<2>(double, const std::vector<double>&, const std::array<double, 1>&, double,
+                                           unsigned int);
+template GridLayout<3> make_grid_layout<3>(double, const std::vector<double>&, const std::array<double, 2>&, double,
+                                           unsigned int);
 } // namespace kedge

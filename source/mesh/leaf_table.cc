@@ -4,40 +4,38 @@
 
 namespace kedge
 {
-template <int dim>
-int LeafTable<dim>::find_leaf(const std::array<double, dim>& x) const
+template <int dim> int LeafTable<dim>::find_leaf(const std::array<double, dim>& x) const
 {
   std::int32_t entry = 0;
   unsigned int stride = 1;
   std::array<double, dim> corner;
   for (unsigned int d = 0; d < dim; ++d)
-    {
-      if (x[d] < 0. || x[d] > base_size * base_cells[d])
-        return -1;
-      const unsigned int cell = std::min(static_cast<unsigned int>(x[d] / base_size), base_cells[d] - 1);
-      corner[d] = base_size * cell;
-      entry += cell * stride;
-      stride *= base_cells[d];
-    }
+  {
+    if (x[d] < 0. || x[d] > base_size * base_cells[d])
+      return -1;
+    const unsigned int cell = std::min(static_cast<unsigned int>(x[d] / base_size), base_cells[d] - 1);
+    corner[d] = base_size * cell;
+    entry += cell * stride;
+    stride *= base_cells[d];
+  }
   entry = tree[entry];
   for (double half = 0.5 * base_size; entry >= 0; half *= 0.5)
-    {
-      unsigned int child = 0;
-      for (unsigned int d = 0; d < dim; ++d)
-        if (x[d] >= corner[d] + half)
-          {
-            child |= 1u << d;
-            corner[d] += half;
-          }
-      entry = tree[entry + child];
-    }
+  {
+    unsigned int child = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (x[d] >= corner[d] + half)
+      {
+        child |= 1u << d;
+        corner[d] += half;
+      }
+    entry = tree[entry + child];
+  }
   return entry == unknown ? -1 : -1 - entry;
 }
 
 namespace
 {
-template <int dim>
-struct BoxSearch
+template <int dim> struct BoxSearch
 {
   const LeafTable<dim>& table;
   const std::array<double, dim>&lower, &upper;
@@ -51,49 +49,48 @@ struct BoxSearch
     if (entry == LeafTable<dim>::unknown)
       return;
     if (entry < 0)
-      {
-        found.push_back(-1 - entry);
-        return;
-      }
+    {
+      found.push_back(-1 - entry);
+      return;
+    }
     for (unsigned int child = 0; child < LeafTable<dim>::n_vertices; ++child)
-      {
-        std::array<double, dim> child_corner;
-        for (unsigned int d = 0; d < dim; ++d)
-          child_corner[d] = corner[d] + ((child >> d) & 1u ? 0.5 * size : 0.);
-        descend(table.tree[entry + child], child_corner, 0.5 * size);
-      }
+    {
+      std::array<double, dim> child_corner;
+      for (unsigned int d = 0; d < dim; ++d)
+        child_corner[d] = corner[d] + ((child >> d) & 1u ? 0.5 * size : 0.);
+      descend(table.tree[entry + child], child_corner, 0.5 * size);
+    }
   }
 };
 } // namespace
 
 template <int dim>
-void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower,
-                                 const std::array<double, dim>& upper,
+void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower, const std::array<double, dim>& upper,
                                  std::vector<unsigned int>& found) const
 {
   std::array<unsigned int, 3> first{{0, 0, 0}}, last{{0, 0, 0}};
   for (unsigned int d = 0; d < dim; ++d)
-    {
-      const double end = static_cast<double>(base_cells[d]) - 1.;
-      first[d] = static_cast<unsigned int>(std::clamp(std::floor(lower[d] / base_size), 0., end));
-      last[d] = static_cast<unsigned int>(std::clamp(std::floor(upper[d] / base_size), 0., end));
-    }
+  {
+    const double end = static_cast<double>(base_cells[d]) - 1.;
+    first[d] = static_cast<unsigned int>(std::clamp(std::floor(lower[d] / base_size), 0., end));
+    last[d] = static_cast<unsigned int>(std::clamp(std::floor(upper[d] / base_size), 0., end));
+  }
   const BoxSearch<dim> search{*this, lower, upper, found};
   std::array<unsigned int, 3> cell;
   for (cell[2] = first[2]; cell[2] <= last[2]; ++cell[2])
     for (cell[1] = first[1]; cell[1] <= last[1]; ++cell[1])
       for (cell[0] = first[0]; cell[0] <= last[0]; ++cell[0])
+      {
+        std::array<double, dim> corner;
+        unsigned int entry = 0, stride = 1;
+        for (unsigned int d = 0; d < dim; ++d)
         {
-          std::array<double, dim> corner;
-          unsigned int entry = 0, stride = 1;
-          for (unsigned int d = 0; d < dim; ++d)
-            {
-              corner[d] = base_size * cell[d];
-              entry += stride * cell[d];
-              stride *= base_cells[d];
-            }
-          search.descend(tree[entry], corner, base_size);
+          corner[d] = base_size * cell[d];
+          entry += stride * cell[d];
+          stride *= base_cells[d];
         }
+        search.descend(tree[entry], corner, base_size);
+      }
 }
 
 template struct LeafTable<2>;

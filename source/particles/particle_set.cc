@@ -9,8 +9,7 @@ namespace kedge
 {
 namespace
 {
-template <int dim>
-std::array<double, dim> to_array(const dealii::Point<dim>& point)
+template <int dim> std::array<double, dim> to_array(const dealii::Point<dim>& point)
 {
   std::array<double, dim> x;
   for (unsigned int d = 0; d < dim; ++d)
@@ -25,7 +24,7 @@ ParticleArrays allocate_arrays(const std::size_t n)
   ParticleArrays arrays;
   arrays.n = n;
   arrays.elastic_left_cauchy_green =
-    decltype(arrays.elastic_left_cauchy_green)(view_alloc("left Cauchy-Green", WithoutInitializing), n);
+      decltype(arrays.elastic_left_cauchy_green)(view_alloc("left Cauchy-Green", WithoutInitializing), n);
   arrays.young = View<double*>(view_alloc("young", WithoutInitializing), n);
   arrays.initial_volume = View<double*>(view_alloc("volume", WithoutInitializing), n);
   arrays.mass = View<double*>(view_alloc("mass", WithoutInitializing), n);
@@ -39,12 +38,11 @@ ParticleArrays allocate_arrays(const std::size_t n)
 
 template <int dim>
 ParticleSet<dim>::ParticleSet(BackgroundMesh<dim>& mesh_)
-  : mesh(mesh_),
-    particles(mesh_.triangulation(), mesh_.mapping(), field::count)
-{}
+    : mesh(mesh_), particles(mesh_.triangulation(), mesh_.mapping(), field::count)
+{
+}
 
-template <int dim>
-void ParticleSet<dim>::load()
+template <int dim> void ParticleSet<dim>::load()
 {
   const std::size_t n = particles.n_locally_owned_particles();
   if (n != mirror.n || mirror.young.extent(0) != n)
@@ -66,25 +64,25 @@ void ParticleSet<dim>::load()
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     if (cell->is_locally_owned())
       for (const auto& particle : particles.particles_in_cell(cell))
+      {
+        const double* data = particle.get_properties().data();
+        centre[p] = to_array<dim>(particle.get_location());
+        std::copy_n(data + field::half_width, dim, half_width[p].begin());
+        leaf[p] = mesh.leaf_number(cell);
+        id[p] = particle.get_id();
+        const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
+        for (unsigned int i = 0; i < 6; ++i)
         {
-          const double* data = particle.get_properties().data();
-          centre[p] = to_array<dim>(particle.get_location());
-          std::copy_n(data + field::half_width, dim, half_width[p].begin());
-          leaf[p] = mesh.leaf_number(cell);
-          id[p] = particle.get_id();
-          const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
-          for (unsigned int i = 0; i < 6; ++i)
-            {
-              b(p, i) = b_e[i];
-              strain(p, i) = data[field::elastic_strain + i];
-              stress(p, i) = data[field::stress + i];
-            }
-          young(p) = data[field::young];
-          volume(p) = data[field::initial_volume];
-          mass(p) = data[field::mass];
-          layer(p) = static_cast<unsigned int>(data[field::layer]);
-          ++p;
+          b(p, i) = b_e[i];
+          strain(p, i) = data[field::elastic_strain + i];
+          stress(p, i) = data[field::stress + i];
         }
+        young(p) = data[field::young];
+        volume(p) = data[field::initial_volume];
+        mass(p) = data[field::mass];
+        layer(p) = static_cast<unsigned int>(data[field::layer]);
+        ++p;
+      }
 
   Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
   Kokkos::deep_copy(mirror.young, young);
@@ -96,19 +94,17 @@ void ParticleSet<dim>::load()
   Kokkos::deep_copy(mirror.trial_plastic, 0.);
 }
 
-template <int dim>
-void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
+template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
 {
   for (auto& particle : particles)
-    {
-      const auto gap = gaps.find(particle.get_id());
-      particle.get_properties()[field::contact_gap] =
+  {
+    const auto gap = gaps.find(particle.get_id());
+    particle.get_properties()[field::contact_gap] =
         gap == gaps.end() ? std::numeric_limits<double>::quiet_NaN() : gap->second;
-    }
+  }
 }
 
-template <int dim>
-void ParticleSet<dim>::commit(const ParticleIncrements& increments, const DomainUpdate domain_update)
+template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& increments, const DomainUpdate domain_update)
 {
   const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
   const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
@@ -120,43 +116,41 @@ void ParticleSet<dim>::commit(const ParticleIncrements& increments, const Domain
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     if (cell->is_locally_owned())
       for (auto& particle : particles.particles_in_cell(cell))
-        {
-          double* data = particle.get_properties().data();
-          dealii::Point<dim> position = particle.get_location();
+      {
+        double* data = particle.get_properties().data();
+        dealii::Point<dim> position = particle.get_location();
+        for (unsigned int d = 0; d < dim; ++d)
+          position[d] += displacement(p, d);
+        particle.set_location(position);
+
+        double* F = data + field::deformation_gradient;
+        double updated[9] = {};
+        for (unsigned int i = 0; i < 3; ++i)
+          for (unsigned int j = 0; j < 3; ++j)
+            for (unsigned int k = 0; k < 3; ++k)
+              updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
+        std::copy_n(updated, 9, F);
+        if (domain_update == DomainUpdate::stretch)
           for (unsigned int d = 0; d < dim; ++d)
-            position[d] += displacement(p, d);
-          particle.set_location(position);
+            data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
 
-          double* F = data + field::deformation_gradient;
-          double updated[9] = {};
-          for (unsigned int i = 0; i < 3; ++i)
-            for (unsigned int j = 0; j < 3; ++j)
-              for (unsigned int k = 0; k < 3; ++k)
-                updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
-          std::copy_n(updated, 9, F);
-          if (domain_update == DomainUpdate::stretch)
-            for (unsigned int d = 0; d < dim; ++d)
-              data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
-
-          for (unsigned int i = 0; i < 6; ++i)
-            {
-              data[field::elastic_strain + i] = strain(p, i);
-              data[field::stress + i] = stress(p, i);
-            }
-          data[field::plastic_strain] += plastic(p);
-          ++p;
+        for (unsigned int i = 0; i < 6; ++i)
+        {
+          data[field::elastic_strain + i] = strain(p, i);
+          data[field::stress + i] = stress(p, i);
         }
+        data[field::plastic_strain] += plastic(p);
+        ++p;
+      }
   const long long before = particles.n_global_particles();
   particles.sort_particles_into_subdomains_and_cells();
   lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
-template <int dim>
-void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh_, const double cost)
+template <int dim> void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh_, const double cost)
 {
-  mesh_.set_cell_weight([this, cost](const typename BackgroundMesh<dim>::Cell& cell) {
-    return 1. + (cell->is_locally_owned() ? cost * particles.n_particles_in_cell(cell) : 0.);
-  });
+  mesh_.set_cell_weight([this, cost](const typename BackgroundMesh<dim>::Cell& cell)
+                        { return 1. + (cell->is_locally_owned() ? cost * particles.n_particles_in_cell(cell) : 0.); });
   particles.prepare_for_coarsening_and_refinement();
   mesh_.repartition();
   particles.unpack_after_coarsening_and_refinement();

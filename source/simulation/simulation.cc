@@ -37,8 +37,7 @@ double magnitude(const std::array<double, 3>& x)
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
 }
 
-template <int dim>
-class Simulation
+template <int dim> class Simulation
 {
 public:
   Simulation(const Input& input, const RunOptions& options);
@@ -84,15 +83,15 @@ private:
 
 template <int dim>
 Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
-  : input(input_),
-    options(options_),
-    report(rank_of(MPI_COMM_WORLD) == 0, options_.quiet),
-    mesh(MPI_COMM_WORLD, make_grid_layout<dim>(input_)),
-    particles(mesh),
-    materials(upload_materials(input_.material_points.layers)),
-    bodies(make_rigid_systems(input_.systems, dim)),
-    contact(input_.contact, MPI_COMM_WORLD),
-    writer(input_.output, options_.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
+    : input(input_),
+      options(options_),
+      report(rank_of(MPI_COMM_WORLD) == 0, options_.quiet),
+      mesh(MPI_COMM_WORLD, make_grid_layout<dim>(input_)),
+      particles(mesh),
+      materials(upload_materials(input_.material_points.layers)),
+      bodies(make_rigid_systems(input_.systems, dim)),
+      contact(input_.contact, MPI_COMM_WORLD),
+      writer(input_.output, options_.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)
     write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
@@ -111,34 +110,30 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
   particles.load();
 }
 
-template <int dim>
-void Simulation<dim>::warn_of_sharp_edges()
+template <int dim> void Simulation<dim>::warn_of_sharp_edges()
 {
   const double particle = mesh.layout().finest_size / input.material_points.points_per_axis;
   constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
   for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
     if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < facets * 0.5 * particle)
-      report.warn(fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
-                              "soil may slip past them; round them, as kedge geometry --edge-radius does",
-                              i + 1,
-                              radius,
-                              0.5 * particle));
+      report.warn(
+          fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
+                      "soil may slip past them; round them, as kedge geometry --edge-radius does",
+                      i + 1, radius, 0.5 * particle));
 }
 
-template <int dim>
-void Simulation<dim>::run()
+template <int dim> void Simulation<dim>::run()
 {
   for (unsigned int number = 0; number < input.stages.size(); ++number)
-    {
-      begin_stage(number);
-      run_stage();
-    }
+  {
+    begin_stage(number);
+    run_stage();
+  }
   finish_summary("finished");
   report.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
 }
 
-template <int dim>
-void Simulation<dim>::begin_stage(const unsigned int number)
+template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
   stage_number = number;
   stage = &input.stages[number];
@@ -156,44 +151,42 @@ void Simulation<dim>::begin_stage(const unsigned int number)
   take_reference_gaps = stage->wished_in_place;
 }
 
-template <int dim>
-void Simulation<dim>::remove_buried_particles()
+template <int dim> void Simulation<dim>::remove_buried_particles()
 {
-  const long long removed = particles.remove_if([this](const dealii::Point<dim>& x) {
-    return is_inside(bodies, dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]));
-  });
+  const long long removed = particles.remove_if(
+      [this](const dealii::Point<dim>& x) {
+        return is_inside(bodies, dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]));
+      });
   deleted += removed;
   particles.load();
   report.line(fmt::format("{} material points inside buried bodies removed", removed));
 }
 
-template <int dim>
-void Simulation<dim>::run_stage()
+template <int dim> void Simulation<dim>::run_stage()
 {
   Clock clock(stage->stepping.load_steps, input.solver.minimum_step_fraction);
   while (!clock.at_end())
+  {
+    const NewtonReport newton = find_equilibrium(clock);
+    if (newton.converged)
     {
-      const NewtonReport newton = find_equilibrium(clock);
-      if (newton.converged)
-        {
-          commit_trial();
-          clock.advance();
-          ++step;
-        }
-      count(newton, clock);
-      if (newton.converged)
-        {
-          report_progress(clock, newton);
-          write_output(clock, false);
-        }
-      else if (!clock.cut())
-        give_up(clock, newton);
+      commit_trial();
+      clock.advance();
+      ++step;
     }
+    count(newton, clock);
+    if (newton.converged)
+    {
+      report_progress(clock, newton);
+      write_output(clock, false);
+    }
+    else if (!clock.cut())
+      give_up(clock, newton);
+  }
   report.end_progress();
 }
 
-template <int dim>
-void Simulation<dim>::count(const NewtonReport& newton, const Clock& clock)
+template <int dim> void Simulation<dim>::count(const NewtonReport& newton, const Clock& clock)
 {
   StageSummary& counts = summary.stages.back();
   counts.steps += newton.converged;
@@ -202,18 +195,16 @@ void Simulation<dim>::count(const NewtonReport& newton, const Clock& clock)
   counts.krylov_iterations += newton.krylov_iterations;
 }
 
-template <int dim>
-void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
 {
   const auto scope = timings.measure("output");
   const double time = clock.steps_done() / clock.requested_steps();
-  writer.write_if_due({particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, stage_number + time},
-                      summary.stages.back().steps,
-                      clock.at_end() || even_if_not_due);
+  writer.write_if_due(
+      {particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, stage_number + time},
+      summary.stages.back().steps, clock.at_end() || even_if_not_due);
 }
 
-template <int dim>
-NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
+template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
 {
   if (!problem)
     problem = std::make_unique<StepProblem<dim>>(input, *stage, mesh, particles, materials, bodies, contact, timings);
@@ -221,8 +212,7 @@ NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
     contact.take_reference_gaps(bodies);
   take_reference_gaps = false;
 
-  load.gravity_factor =
-    stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
+  load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
   load.step_fraction = clock.step_fraction();
   load.body_increments.clear();
   for (const RigidPoint& point : bodies.points)
@@ -230,28 +220,27 @@ NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
   return problem->solve(load, prediction);
 }
 
-template <int dim>
-void Simulation<dim>::commit_trial()
+template <int dim> void Simulation<dim>::commit_trial()
 {
   const ParticleIncrements increments = problem->particle_increments();
   const BodyLoads loads = problem->body_loads();
   reactions.clear();
   for (std::size_t i = 0; i < bodies.points.size(); ++i)
-    {
-      RigidPoint& point = bodies.points[i];
-      point.pose = point.pose.moved(load.body_increments[i]);
-      Vector6 reaction = stage->rigid_bodies ? Vector6(-loads[i]) : Vector6(Vector6::Zero());
-      for (unsigned int d = 0; d < 3; ++d)
-        reaction[d] -= load.gravity_factor * point.mass * input.gravity[d];
-      reactions.push_back(reaction);
-    }
+  {
+    RigidPoint& point = bodies.points[i];
+    point.pose = point.pose.moved(load.body_increments[i]);
+    Vector6 reaction = stage->rigid_bodies ? Vector6(-loads[i]) : Vector6(Vector6::Zero());
+    for (unsigned int d = 0; d < 3; ++d)
+      reaction[d] -= load.gravity_factor * point.mass * input.gravity[d];
+    reactions.push_back(reaction);
+  }
 
   const auto scope = timings.measure("commit");
   if (stage->rigid_bodies)
-    {
-      particles.set_contact_gaps(contact.smallest_gaps());
-      contact.commit();
-    }
+  {
+    particles.set_contact_gaps(contact.smallest_gaps());
+    contact.commit();
+  }
   summary.stages.back().dofs = problem->n_dofs();
   prediction = problem->predict_next();
   problem.reset();
@@ -260,8 +249,7 @@ void Simulation<dim>::commit_trial()
   contact.follow_particles(particles.ids());
 }
 
-template <int dim>
-void Simulation<dim>::report_progress(const Clock& clock, const NewtonReport& newton)
+template <int dim> void Simulation<dim>::report_progress(const Clock& clock, const NewtonReport& newton)
 {
   Progress state;
   state.stage = stage_number + 1;
@@ -277,8 +265,7 @@ void Simulation<dim>::report_progress(const Clock& clock, const NewtonReport& ne
   report.progress(state);
 }
 
-template <int dim>
-void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
+template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   report.end_progress();
   if (summary.stages.back().steps > 0)
@@ -288,20 +275,16 @@ void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
   for (const double residual : newton.residuals)
     history += fmt::format(" {:.2e}", residual);
   throw SolverError(
-    fmt::format("stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
-                "Residual over the soil's weight:{}\n"
-                "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
-                stage_number + 1,
-                clock.steps_done() + 1.,
-                clock.requested_steps(),
-                newton.failure,
-                clock.step_fraction(),
-                history),
-    newton.residuals);
+      fmt::format(
+          "stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
+          "Residual over the soil's weight:{}\n"
+          "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
+          stage_number + 1, clock.steps_done() + 1., clock.requested_steps(), newton.failure, clock.step_fraction(),
+          history),
+      newton.residuals);
 }
 
-template <int dim>
-void Simulation<dim>::finish_summary(const std::string& status)
+template <int dim> void Simulation<dim>::finish_summary(const std::string& status)
 {
   const MPI_Comm world = MPI_COMM_WORLD;
   summary.status = status;
@@ -322,10 +305,7 @@ void Simulation<dim>::finish_summary(const std::string& status)
 }
 } // namespace
 
-void check_surfaces(const Input& input)
-{
-  make_rigid_systems(input.systems, input.dimension);
-}
+void check_surfaces(const Input& input) { make_rigid_systems(input.systems, input.dimension); }
 
 void run_simulation(const Input& input, const RunOptions& options)
 {

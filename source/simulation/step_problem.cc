@@ -6,23 +6,18 @@
 namespace kedge
 {
 template <int dim>
-StepProblem<dim>::StepProblem(const Input& input_,
-                              const Stage& stage_,
-                              const BackgroundMesh<dim>& mesh_,
-                              ParticleSet<dim>& particles_,
-                              const Materials& materials_,
-                              const RigidSystems& bodies_,
-                              Contact<dim>& contact_,
-                              Timings& timings_)
-  : input(input_),
-    stage(stage_),
-    mesh(mesh_),
-    particles(particles_),
-    materials(materials_),
-    bodies(bodies_),
-    contact(contact_),
-    timings(timings_),
-    linear_solver(input_.solver, dim)
+StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const BackgroundMesh<dim>& mesh_,
+                              ParticleSet<dim>& particles_, const Materials& materials_, const RigidSystems& bodies_,
+                              Contact<dim>& contact_, Timings& timings_)
+    : input(input_),
+      stage(stage_),
+      mesh(mesh_),
+      particles(particles_),
+      materials(materials_),
+      bodies(bodies_),
+      contact(contact_),
+      timings(timings_),
+      linear_solver(input_.solver, dim)
 {
   number_nodes();
   if (stage.rigid_bodies)
@@ -34,7 +29,7 @@ StepProblem<dim>::StepProblem(const Input& input_,
   if (ghost_faces.n_faces() > 0)
     couplings.push_back(ghost_faces.lists);
   system = std::make_unique<System>(
-    dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
+      dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
 
   std::vector<double> position;
   for (unsigned int v = 0; v < nodes.n_owned; ++v)
@@ -51,29 +46,24 @@ StepProblem<dim>::StepProblem(const Input& input_,
   weight_norm = weight.norm2();
 }
 
-template <int dim>
-void StepProblem<dim>::number_nodes()
+template <int dim> void StepProblem<dim>::number_nodes()
 {
   const auto scope = timings.measure("basis");
-  HostStencils host = build_stencils<dim>(
-    mesh.leaves(), particles.positions(), particles.half_widths(), particles.leaves(), input.basis == Basis::mpm);
+  HostStencils host = build_stencils<dim>(mesh.leaves(), particles.positions(), particles.half_widths(),
+                                          particles.leaves(), input.basis == Basis::mpm);
   std::vector<unsigned char> used(mesh.leaves().node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
   HostGhostFaces faces;
   if (input.solver.ghost_factor > 0.)
-    {
-      const std::vector<LeafContent> contents =
-        find_leaf_contents<dim>(mesh.leaves(),
-                                particles.positions(),
-                                particles.half_widths(),
-                                download(particles.arrays().young),
-                                input.solver.poor_factor,
-                                mesh.triangulation().get_communicator());
-      faces = find_ghost_faces<dim>(mesh.leaves(), contents, input.solver.ghost_factor);
-      for (const unsigned int node : faces.nodes)
-        used[node] = 1; // active already, but perhaps only through other ranks' particles
-    }
+  {
+    const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+        mesh.leaves(), particles.positions(), particles.half_widths(), download(particles.arrays().young),
+        input.solver.poor_factor, mesh.triangulation().get_communicator());
+    faces = find_ghost_faces<dim>(mesh.leaves(), contents, input.solver.ghost_factor);
+    for (const unsigned int node : faces.nodes)
+      used[node] = 1; // active already, but perhaps only through other ranks' particles
+  }
   nodes = number_active_nodes<dim>(mesh.leaves(), used, mesh.triangulation().get_communicator());
   stencils = upload_stencils<dim>(std::move(host), nodes.number);
   for (unsigned int& node : faces.nodes)
@@ -83,63 +73,56 @@ void StepProblem<dim>::number_nodes()
                  upload(faces.value, "ghost values")};
 }
 
-template <int dim>
-std::vector<unsigned char> StepProblem<dim>::find_constrained_dofs() const
+template <int dim> std::vector<unsigned char> StepProblem<dim>::find_constrained_dofs() const
 {
   const LeafTable<dim>& table = mesh.leaves();
   std::vector<unsigned char> constrained(static_cast<std::size_t>(dim) * nodes.n_local(), 0);
   for (unsigned int v = 0; v < nodes.n_local(); ++v)
     for (unsigned int axis = 0; axis < dim; ++axis)
       for (const bool upper : {false, true})
-        {
-          const double face = upper ? table.base_size * table.base_cells[axis] : 0.;
-          if (std::abs(table.node_position[nodes.mesh_node[v]][axis] - face) > 1e-9 * table.base_size)
-            continue;
-          const FaceCondition condition =
+      {
+        const double face = upper ? table.base_size * table.base_cells[axis] : 0.;
+        if (std::abs(table.node_position[nodes.mesh_node[v]][axis] - face) > 1e-9 * table.base_size)
+          continue;
+        const FaceCondition condition =
             upper ? stage.boundary_conditions.max[axis] : stage.boundary_conditions.min[axis];
-          for (unsigned int d = 0; d < dim; ++d)
-            if (condition == FaceCondition::fixed || (condition == FaceCondition::roller && d == axis))
-              constrained[dim * v + d] = 1;
-        }
+        for (unsigned int d = 0; d < dim; ++d)
+          if (condition == FaceCondition::fixed || (condition == FaceCondition::roller && d == axis))
+            constrained[dim * v + d] = 1;
+      }
   return constrained;
 }
 
-template <int dim>
-void StepProblem<dim>::find_contact_pairs()
+template <int dim> void StepProblem<dim>::find_contact_pairs()
 {
   const auto scope = timings.measure("contact search");
   double reach = 0.;
   const auto box = world_bounds(bodies);
   for (const RigidPoint& point : bodies.points)
-    {
-      const Vector6 step = point.prescribed_increment(1.);
-      const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
-      reach = std::max(reach, step.head<3>().norm() + step.tail<3>().norm() * lever);
-    }
+  {
+    const Vector6 step = point.prescribed_increment(1.);
+    const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
+    reach = std::max(reach, step.head<3>().norm() + step.tail<3>().norm() * lever);
+  }
   const std::vector<double> volume = download(particles.arrays().initial_volume);
   const std::vector<double> young = download(particles.arrays().young);
-  contact.find_pairs(bodies,
-                     mesh.leaves(),
-                     {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
-                     nodes.number,
+  contact.find_pairs(bodies, mesh.leaves(),
+                     {particles.positions(), particles.half_widths(), particles.ids(), volume, young}, nodes.number,
                      reach);
 }
 
-template <int dim>
-NewtonReport StepProblem<dim>::solve(const Load& load_, const Prediction& prediction)
+template <int dim> NewtonReport StepProblem<dim>::solve(const Load& load_, const Prediction& prediction)
 {
   load = load_;
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
-  problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance) {
-    return solve_linearised(x, r, dx, tolerance);
-  };
+  problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
+  { return solve_linearised(x, r, dx, tolerance); };
   start_from(problem, prediction);
   return solve_newton(problem, *increment, input.solver);
 }
 
-template <int dim>
-void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
+template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
 {
   increment->putScalar(0.);
   if (prediction.empty())
@@ -157,8 +140,7 @@ void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction&
     Tpetra::deep_copy(*increment, guess);
 }
 
-template <int dim>
-typename StepProblem<dim>::Prediction StepProblem<dim>::predict_next() const
+template <int dim> typename StepProblem<dim>::Prediction StepProblem<dim>::predict_next() const
 {
   const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
   Prediction prediction(dim * mesh.leaves().node_ids.size(), 0.);
@@ -168,25 +150,23 @@ typename StepProblem<dim>::Prediction StepProblem<dim>::predict_next() const
   return prediction;
 }
 
-template <int dim>
-double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
+template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
 {
   const auto scope = timings.measure("residual");
   local_increment = system->spread(x);
   const NodalVector force = system->make_nodal_vector();
   const unsigned long inverted =
-    update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force);
+      update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force);
   const double factor = load.gravity_factor;
   const NodalVector weight = full_weight;
   Kokkos::parallel_for(
-    "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
-      force(i) -= factor * weight(i);
-    });
+      "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { force(i) -= factor * weight(i); });
   if (stage.rigid_bodies)
-    {
-      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-      add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
-    }
+  {
+    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
+    add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
+  }
   add_ghost_force<dim>(ghost_faces, local_increment, force);
   system->collect(force, r);
   system->zero_constrained(r);
@@ -196,8 +176,8 @@ double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
 }
 
 template <int dim>
-LinearReport
-StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx, const double tolerance)
+LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
+                                                const double tolerance)
 {
   // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
   {
@@ -213,8 +193,7 @@ StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, T
   return linear_solver.solve(r, dx, tolerance);
 }
 
-template <int dim>
-ParticleIncrements StepProblem<dim>::particle_increments() const
+template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
 {
   return interpolate_increments<dim>(stencils, local_increment);
 }

@@ -5,15 +5,9 @@
 
 namespace kedge
 {
-std::string version()
-{
-  return KEDGE_VERSION;
-}
+std::string version() { return KEDGE_VERSION; }
 
-std::string back_end()
-{
-  return ExecutionSpace::name();
-}
+std::string back_end() { return ExecutionSpace::name(); }
 
 std::string describe_versions()
 {

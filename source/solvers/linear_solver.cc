@@ -15,9 +15,9 @@ using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNod
 using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
-constexpr std::size_t always_direct_below = 2000;     // dofs: a factorisation beats any set-up
-constexpr std::size_t never_direct_above = 60000;     // dofs: fill-in of three-dimensional problems
-constexpr unsigned int worn_out_minimum = 20;         // iterations that an old hierarchy may always take
+constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
+constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
+constexpr unsigned int worn_out_minimum = 20;     // iterations that an old hierarchy may always take
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
 {
@@ -30,49 +30,36 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("aggregation: drop tol", 0.0);
   list.set("coarse: max size", parallel ? 300 : 1000);
   if (parallel) // KLU2 of Trilinos 13 is wrong for unsymmetric matrices that are spread over ranks
-    {
-      list.set("coarse: type", "RELAXATION");
-      Teuchos::ParameterList& coarse = list.sublist("coarse: params");
-      coarse.set("relaxation: type", "Symmetric Gauss-Seidel");
-      coarse.set("relaxation: sweeps", 8);
-    }
+  {
+    list.set("coarse: type", "RELAXATION");
+    Teuchos::ParameterList& coarse = list.sublist("coarse: params");
+    coarse.set("relaxation: type", "Symmetric Gauss-Seidel");
+    coarse.set("relaxation: sweeps", 8);
+  }
   else
     list.set("coarse: type", "KLU2");
   list.set("max levels", 6);
   list.set("reuse: type", "none");
-  if (strong)
-    {
-      list.set("smoother: type", "SCHWARZ");
-      Teuchos::ParameterList& smoother = list.sublist("smoother: params");
-      smoother.set("schwarz: overlap level", 1);
-      smoother.set("schwarz: combine mode", "Zero");
-      smoother.set("subdomain solver name", "RILUK");
-      smoother.sublist("subdomain solver parameters").set("fact: iluk level-of-fill", 0);
-    }
-  else
-    {
-      list.set("smoother: type", "RELAXATION");
-      Teuchos::ParameterList& smoother = list.sublist("smoother: params");
-      smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
-      smoother.set("relaxation: sweeps", 1);
-      smoother.set("relaxation: damping factor", 1.0);
-    }
+  list.set("smoother: type", "RELAXATION");
+  Teuchos::ParameterList& smoother = list.sublist("smoother: params");
+  smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
+  smoother.set("relaxation: sweeps", strong ? 4 : 2);
   return list;
 }
 
 /// False where the matrix is singular. All on one process.
 bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& b, TpetraVector& x)
 {
-  const auto solver = Amesos2::create<TpetraMatrix, MultiVector>(
-    "KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b));
+  const auto solver = Amesos2::create<TpetraMatrix, MultiVector>("KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x),
+                                                                 Teuchos::rcpFromRef<const MultiVector>(b));
   try
-    {
-      solver->symbolicFactorization().numericFactorization().solve();
-    }
+  {
+    solver->symbolicFactorization().numericFactorization().solve();
+  }
   catch (const std::runtime_error&) // KLU2's way of saying so
-    {
-      return false;
-    }
+  {
+    return false;
+  }
   return std::isfinite(x.norm2());
 }
 
@@ -95,13 +82,13 @@ Teuchos::RCP<TpetraMatrix> copy_to_self(const TpetraMatrix& gathered, const std:
   const auto map = Teuchos::rcp(new TpetraMap(n, 0, self));
   auto copy = Teuchos::rcp(new TpetraMatrix(map, map, longest_row));
   for (std::size_t row = 0; row < n; ++row)
-    {
-      std::size_t length = gathered.getNumEntriesInGlobalRow(row);
-      TpetraMatrix::nonconst_global_inds_host_view_type columns("columns", length);
-      TpetraMatrix::nonconst_values_host_view_type values("values", length);
-      gathered.getGlobalRowCopy(row, columns, values, length);
-      copy->insertGlobalValues(row, static_cast<LocalOrdinal>(length), values.data(), columns.data());
-    }
+  {
+    std::size_t length = gathered.getNumEntriesInGlobalRow(row);
+    TpetraMatrix::nonconst_global_inds_host_view_type columns("columns", length);
+    TpetraMatrix::nonconst_values_host_view_type values("values", length);
+    gathered.getGlobalRowCopy(row, columns, values, length);
+    copy->insertGlobalValues(row, static_cast<LocalOrdinal>(length), values.data(), columns.data());
+  }
   copy->fillComplete();
   return copy;
 }
@@ -119,7 +106,8 @@ struct LinearSolver::Implementation
   bool prefers_direct() const
   {
     return parameters.linear_solver == LinearSolverChoice::direct ||
-           (parameters.linear_solver == LinearSolverChoice::automatic && matrix->getGlobalNumRows() < always_direct_below);
+           (parameters.linear_solver == LinearSolverChoice::automatic &&
+            matrix->getGlobalNumRows() < always_direct_below);
   }
 
   void build_hierarchy(const bool strong)
@@ -137,7 +125,7 @@ struct LinearSolver::Implementation
     report.method = "KLU2";
     report.iterations = 1;
     report.converged =
-      matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
+        matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
     return report;
   }
 
@@ -156,26 +144,26 @@ struct LinearSolver::Implementation
     gathered_b.doImport(b, to_first, Tpetra::INSERT);
     int solved = 1;
     if (first)
-      {
-        const auto local = copy_to_self(gathered, longest_row);
-        TpetraVector local_b(local->getRowMap()), local_x(local->getRowMap());
-        Kokkos::deep_copy(local_b.getLocalViewHost(Tpetra::Access::OverwriteAll),
-                          gathered_b.getLocalViewHost(Tpetra::Access::ReadOnly));
-        solved = factorise_and_solve(local, local_b, local_x);
-        Kokkos::deep_copy(gathered_x.getLocalViewHost(Tpetra::Access::OverwriteAll),
-                          local_x.getLocalViewHost(Tpetra::Access::ReadOnly));
-      }
+    {
+      const auto local = copy_to_self(gathered, longest_row);
+      TpetraVector local_b(local->getRowMap()), local_x(local->getRowMap());
+      Kokkos::deep_copy(local_b.getLocalViewHost(Tpetra::Access::OverwriteAll),
+                        gathered_b.getLocalViewHost(Tpetra::Access::ReadOnly));
+      solved = factorise_and_solve(local, local_b, local_x);
+      Kokkos::deep_copy(gathered_x.getLocalViewHost(Tpetra::Access::OverwriteAll),
+                        local_x.getLocalViewHost(Tpetra::Access::ReadOnly));
+    }
     Teuchos::broadcast(*communicator, 0, &solved);
     x.doExport(gathered_x, to_first, Tpetra::INSERT);
     return solved != 0;
   }
 
-  LinearReport
-  solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance, const unsigned int max_iterations) const
+  LinearReport solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance,
+                            const unsigned int max_iterations) const
   {
     x.putScalar(0.);
     auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
-      matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
+        matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
     problem->setRightPrec(hierarchy);
     problem->setProblem();
     const auto list = Teuchos::parameterList();
@@ -187,24 +175,24 @@ struct LinearSolver::Implementation
     LinearReport report;
     report.method = "GMRES";
     try
-      {
-        report.converged = solver.solve() == Belos::Converged && std::isfinite(x.norm2());
-      }
+    {
+      report.converged = solver.solve() == Belos::Converged && std::isfinite(x.norm2());
+    }
     catch (const Belos::BelosError&) // what a preconditioner that yields NaN leads to
-      {
-        report.converged = false;
-      }
+    {
+      report.converged = false;
+    }
     catch (const std::runtime_error&) // KLU2 on the coarsest level: it is singular there already
-      {
-        report.converged = false;
-      }
+    {
+      report.converged = false;
+    }
     report.iterations = solver.getNumIters();
     return report;
   }
 };
 
 LinearSolver::LinearSolver(const SolverParameters& parameters, const unsigned int block_size)
-  : implementation(std::make_unique<Implementation>())
+    : implementation(std::make_unique<Implementation>())
 {
   implementation->parameters = parameters;
   implementation->block_size = block_size;
@@ -230,32 +218,32 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
   LinearReport report;
   unsigned int iterations = 0, escalations = 0;
   if (!solver.hierarchy.is_null() && solver.parameters.reuse)
-    {
-      // an old hierarchy that needs more than twice the iterations of its first solve costs more than a new one
-      report = solver.solve_krylov(
-        right_side, x, relative_tolerance, std::min(limit, std::max(worn_out_minimum, 2 * solver.fresh_iterations)));
-      iterations += report.iterations;
-    }
+  {
+    // an old hierarchy that needs more than twice the iterations of its first solve costs more than a new one
+    report = solver.solve_krylov(right_side, x, relative_tolerance,
+                                 std::min(limit, std::max(worn_out_minimum, 2 * solver.fresh_iterations)));
+    iterations += report.iterations;
+  }
   if (!report.converged)
-    {
-      solver.build_hierarchy(false);
-      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
-      iterations += report.iterations;
-      solver.fresh_iterations = report.iterations;
-    }
+  {
+    solver.build_hierarchy(false);
+    report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
+    iterations += report.iterations;
+    solver.fresh_iterations = report.iterations;
+  }
   if (!report.converged)
-    {
-      solver.build_hierarchy(true);
-      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
-      report.method = "GMRES with incomplete factors";
-      iterations += report.iterations;
-      ++escalations;
-    }
+  {
+    solver.build_hierarchy(true);
+    report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
+    report.method = "GMRES with a stronger smoother";
+    iterations += report.iterations;
+    ++escalations;
+  }
   if (!report.converged && solver.matrix->getGlobalNumRows() < never_direct_above)
-    {
-      report = solver.solve_direct(right_side, x);
-      ++escalations;
-    }
+  {
+    report = solver.solve_direct(right_side, x);
+    ++escalations;
+  }
   if (escalations > 0)
     solver.hierarchy = Teuchos::null;
   report.iterations = iterations;
@@ -263,8 +251,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
   return report;
 }
 
-Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map,
-                                                      const unsigned int dim,
+Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, const unsigned int dim,
                                                       const std::vector<double>& position,
                                                       const std::vector<unsigned char>& constrained)
 {
@@ -281,23 +268,22 @@ Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const T
     centre[d] = sums[d] / std::max(1., sums[3]);
 
   for (std::size_t v = 0; v < n_nodes; ++v)
-    {
-      std::array<double, 3> x{{0., 0., 0.}};
+  {
+    std::array<double, 3> x{{0., 0., 0.}};
+    for (unsigned int d = 0; d < dim; ++d)
+      x[d] = position[dim * v + d] - centre[d];
+    const auto set = [&](const unsigned int d, const unsigned int mode, const double value)
+    { view(dim * v + d, mode) = constrained[dim * v + d] ? 0. : value; };
+    for (unsigned int mode = 0; mode < dim + n_rotations; ++mode)
       for (unsigned int d = 0; d < dim; ++d)
-        x[d] = position[dim * v + d] - centre[d];
-      const auto set = [&](const unsigned int d, const unsigned int mode, const double value) {
-        view(dim * v + d, mode) = constrained[dim * v + d] ? 0. : value;
-      };
-      for (unsigned int mode = 0; mode < dim + n_rotations; ++mode)
-        for (unsigned int d = 0; d < dim; ++d)
-          set(d, mode, d == mode ? 1. : 0.);
-      for (unsigned int r = 0; r < n_rotations; ++r)
-        {
-          const unsigned int i = r, j = (r + 1) % dim; // rotation in the plane of axes i and j
-          set(i, dim + r, -x[j]);
-          set(j, dim + r, x[i]);
-        }
+        set(d, mode, d == mode ? 1. : 0.);
+    for (unsigned int r = 0; r < n_rotations; ++r)
+    {
+      const unsigned int i = r, j = (r + 1) % dim; // rotation in the plane of axes i and j
+      set(i, dim + r, -x[j]);
+      set(j, dim + r, x[i]);
     }
+  }
   return modes;
 }
 } // namespace kedge

@@ -7,6 +7,6 @@ int main(int argc, char** argv)
   testing::InitGoogleTest(&argc, argv);
   if (environment.rank() != 0) // one report is enough; failures still set the exit code of every rank
     delete testing::UnitTest::GetInstance()->listeners().Release(
-      testing::UnitTest::GetInstance()->listeners().default_result_printer());
+        testing::UnitTest::GetInstance()->listeners().default_result_printer());
   return RUN_ALL_TESTS();
 }

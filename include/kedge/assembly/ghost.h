@@ -21,6 +21,5 @@ template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force);
 
 /// Adds J times the identity to the blocks of the faces' nodes.
-template <int dim>
-void add_ghost_tangent(const GhostFaces& faces, const NodeGraph& graph, const View<double*>& values);
+template <int dim> void add_ghost_tangent(const GhostFaces& faces, const NodeGraph& graph, const View<double*>& values);
 } // namespace kedge

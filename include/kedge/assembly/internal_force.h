@@ -16,30 +16,20 @@ using Materials = View<Material*>;
 /// f_v += V0 tau grad_x S_v, grad_x S = dF^-T grad S (Charlton, Coombs & Augarde 2017). Returns the number of particles
 /// of this rank whose increment is not admissible (det dF <= 0); their force is left out.
 template <int dim>
-unsigned long update_stress_and_force(const ParticleArrays& particles,
-                                      const StencilSet& stencils,
-                                      const Materials& materials,
-                                      const NodalVector& increment,
+unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
+                                      const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force);
 
 /// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`.
 template <int dim>
-void add_tangent(const ParticleArrays& particles,
-                 const StencilSet& stencils,
-                 const Materials& materials,
-                 const NodalVector& increment,
-                 const NodeGraph& graph,
-                 const View<double*>& values);
+void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
+                 const NodalVector& increment, const NodeGraph& graph, const View<double*>& values);
 
 /// Adds factor * m S_v g (N) to `force`.
 template <int dim>
-void add_weight(const ParticleArrays& particles,
-                const StencilSet& stencils,
-                const std::array<double, 3>& gravity,
-                double factor,
-                const NodalVector& force);
+void add_weight(const ParticleArrays& particles, const StencilSet& stencils, const std::array<double, 3>& gravity,
+                double factor, const NodalVector& force);
 
 /// Displacement and dF of every particle for given nodal increments.
-template <int dim>
-ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment);
+template <int dim> ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment);
 } // namespace kedge

@@ -13,17 +13,18 @@ KEDGE_FUNCTION void add_to(double& target, const double value)
 {
 #ifdef KOKKOS_ENABLE_SERIAL
   if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
-    {
-      target += value;
-      return;
-    }
+  {
+    target += value;
+    return;
+  }
 #endif
   Kokkos::atomic_add(&target, value);
 }
 
 /// dF = 1 + sum over nodes of d_v (x) grad S_v of particle p.
 template <int dim>
-KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils, const View<double*>& increment, const unsigned int p)
+KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils, const View<double*>& increment,
+                                                     const unsigned int p)
 {
   const unsigned int pattern = stencils.pattern_of_particle(p);
   const unsigned int first = stencils.pattern_node_begin(pattern);
@@ -31,12 +32,12 @@ KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils,
   const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
   double f[dim][dim] = {};
   for (unsigned int v = 0; v < n; ++v)
-    {
-      const std::size_t dof = static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v);
-      for (int i = 0; i < dim; ++i)
-        for (int j = 0; j < dim; ++j)
-          f[i][j] += increment(dof + i) * gradient[dim * v + j];
-    }
+  {
+    const std::size_t dof = static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v);
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+        f[i][j] += increment(dof + i) * gradient[dim * v + j];
+  }
   Eigen::Matrix3d result = Eigen::Matrix3d::Identity();
   for (int i = 0; i < dim; ++i)
     for (int j = 0; j < dim; ++j)
@@ -49,10 +50,10 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
   Eigen::Matrix3d c;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      {
-        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-        c(j, i) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
-      }
+    {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      c(j, i) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
+    }
   return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
 }
 } // namespace kedge

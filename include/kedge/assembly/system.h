@@ -11,9 +11,7 @@ class System
 {
 public:
   /// `constrained` marks dofs (dim per local node) that stay zero. Collective.
-  System(unsigned int dim,
-         const NodeNumbering& numbering,
-         const std::vector<NodeLists>& couplings,
+  System(unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
          const std::vector<unsigned char>& constrained);
 
   const NodeGraph& graph() const { return node_graph; }

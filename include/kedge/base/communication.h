@@ -55,7 +55,8 @@ inline long long sum_over_lower_ranks(const long long value, const MPI_Comm comm
 
 /// Sends to_rank[r] to rank r; returns what each rank sent here. Collective; T must be trivially copyable.
 template <typename T>
-std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector<T>>& to_rank, const MPI_Comm communicator)
+std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector<T>>& to_rank,
+                                                   const MPI_Comm communicator)
 {
   static_assert(std::is_trivially_copyable<T>::value, "only plain data can be sent");
   const int size = size_of(communicator);
@@ -71,27 +72,20 @@ std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector
   send.reserve(send_begin[size] / sizeof(T));
   for (const auto& part : to_rank)
     send.insert(send.end(), part.begin(), part.end());
-  MPI_Alltoallv(send.data(),
-                send_count.data(),
-                send_begin.data(),
-                MPI_BYTE,
-                receive.data(),
-                receive_count.data(),
-                receive_begin.data(),
-                MPI_BYTE,
-                communicator);
+  MPI_Alltoallv(send.data(), send_count.data(), send_begin.data(), MPI_BYTE, receive.data(), receive_count.data(),
+                receive_begin.data(), MPI_BYTE, communicator);
   std::vector<std::vector<T>> from_rank(size);
   for (int r = 0; r < size; ++r)
-    from_rank[r].assign(receive.begin() + receive_begin[r] / sizeof(T), receive.begin() + receive_begin[r + 1] / sizeof(T));
+    from_rank[r].assign(receive.begin() + receive_begin[r] / sizeof(T),
+                        receive.begin() + receive_begin[r + 1] / sizeof(T));
   return from_rank;
 }
 
 /// What every rank contributes, one after the other. Collective; T must be trivially copyable.
-template <typename T>
-std::vector<T> gather_everywhere(const std::vector<T>& mine, const MPI_Comm communicator)
+template <typename T> std::vector<T> gather_everywhere(const std::vector<T>& mine, const MPI_Comm communicator)
 {
   const std::vector<std::vector<T>> from_rank =
-    exchange_between_ranks(std::vector<std::vector<T>>(size_of(communicator), mine), communicator);
+      exchange_between_ranks(std::vector<std::vector<T>>(size_of(communicator), mine), communicator);
   std::vector<T> all;
   for (const auto& part : from_rank)
     all.insert(all.end(), part.begin(), part.end());

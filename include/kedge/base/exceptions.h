@@ -11,8 +11,9 @@ namespace kedge
 struct InputError : std::runtime_error
 {
   InputError(std::string path_, const std::string& problem, const std::string& remedy = "")
-    : std::runtime_error(path_ + ": " + problem + (remedy.empty() ? "" : "; " + remedy)), path(std::move(path_))
-  {}
+      : std::runtime_error(path_ + ": " + problem + (remedy.empty() ? "" : "; " + remedy)), path(std::move(path_))
+  {
+  }
   std::string path;
 };
 
@@ -20,8 +21,9 @@ struct InputError : std::runtime_error
 struct SolverError : std::runtime_error
 {
   SolverError(const std::string& message, std::vector<double> residual_history_ = {})
-    : std::runtime_error(message), residual_history(std::move(residual_history_))
-  {}
+      : std::runtime_error(message), residual_history(std::move(residual_history_))
+  {
+  }
   std::vector<double> residual_history;
 };
 
@@ -29,8 +31,9 @@ struct SolverError : std::runtime_error
 struct FileError : std::runtime_error
 {
   FileError(std::string path_, const std::string& problem)
-    : std::runtime_error(path_ + ": " + problem), path(std::move(path_))
-  {}
+      : std::runtime_error(path_ + ": " + problem), path(std::move(path_))
+  {
+  }
   std::string path;
 };
 } // namespace kedge

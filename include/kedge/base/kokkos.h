@@ -20,16 +20,14 @@ template <typename T> using View = Kokkos::View<T, MemorySpace>;
 template <typename T> using HostView = typename View<T>::HostMirror;
 
 /// Copies between host vectors and device arrays.
-template <typename T>
-View<T*> upload(const std::vector<T>& host, const char* label)
+template <typename T> View<T*> upload(const std::vector<T>& host, const char* label)
 {
   View<T*> device(Kokkos::view_alloc(std::string(label), Kokkos::WithoutInitializing), host.size());
   Kokkos::deep_copy(device, Kokkos::View<const T*, Kokkos::HostSpace>(host.data(), host.size()));
   return device;
 }
 
-template <typename T>
-std::vector<T> download(const View<T*>& device)
+template <typename T> std::vector<T> download(const View<T*>& device)
 {
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), device);
   return std::vector<T>(host.data(), host.data() + host.extent(0));

@@ -7,7 +7,8 @@
 
 namespace kedge
 {
-/// Active nodes of a rank: first those that it owns, then ghosts (seen by its particles, owned elsewhere), grouped by owner.
+/// Active nodes of a rank: first those that it owns, then ghosts (seen by its particles, owned elsewhere), grouped by
+/// owner.
 struct ActiveNodes
 {
   static constexpr unsigned int inactive = ~0u;
@@ -15,8 +16,9 @@ struct ActiveNodes
   unsigned int n_owned = 0;
   std::vector<long long> global;       ///< contiguous over the ranks
   std::vector<unsigned int> mesh_node; ///< number in the leaf table, of owned and ghost nodes
-  std::vector<unsigned int> ghost_begin; ///< ghosts owned by rank r: [ghost_begin[r], ghost_begin[r + 1]) in local numbers
-  std::vector<unsigned int> number;    ///< leaf-table node -> local active number, or `inactive`
+  std::vector<unsigned int>
+      ghost_begin;                  ///< ghosts owned by rank r: [ghost_begin[r], ghost_begin[r + 1]) in local numbers
+  std::vector<unsigned int> number; ///< leaf-table node -> local active number, or `inactive`
   long long n_global = 0;
 
   unsigned int n_local() const { return global.size(); }
@@ -25,6 +27,6 @@ struct ActiveNodes
 /// Numbers the nodes that any rank marks. `used[node]` is nonzero where this rank's stencils use a node of the table.
 /// Collective.
 template <int dim>
-ActiveNodes
-number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used, MPI_Comm communicator);
+ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used,
+                                MPI_Comm communicator);
 } // namespace kedge

@@ -26,16 +26,14 @@ struct LeafContent
 
 /// Contents of all leaves of the table (owned and ghost). Collective.
 template <int dim>
-std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table,
-                                            const std::vector<std::array<double, dim>>& centre,
-                                            const std::vector<std::array<double, dim>>& half_width,
-                                            const std::vector<double>& young,
-                                            double poor_factor,
-                                            MPI_Comm communicator);
+std::vector<LeafContent>
+find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
+                   const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
+                   double poor_factor, MPI_Comm communicator);
 
-/// Faces between a boundary leaf and a populated one, each on one rank, with J = factor * E * (h^3 / 3) * integral over the
-/// face of the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E is the mean of the
-/// two leaves' (Coombs 2023, doi 10.1002/nme.7332). The factor's unit is 1/m2, as in the published inputs.
+/// Faces between a boundary leaf and a populated one, each on one rank, with J = factor * E * (h^3 / 3) * integral over
+/// the face of the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E is the mean
+/// of the two leaves' (Coombs 2023, doi 10.1002/nme.7332). The factor's unit is 1/m2, as in the published inputs.
 template <int dim>
 HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, double factor);
 } // namespace kedge

@@ -15,8 +15,7 @@ struct Overlap
 };
 
 /// Value and gradient (1/m) at one true node, by its local number in the leaf table.
-template <int dim>
-struct NodeShare
+template <int dim> struct NodeShare
 {
   unsigned int node;
   double value;
@@ -27,14 +26,14 @@ struct NodeShare
 /// (Bardenhagen & Kober 2004; one-point integration per overlap box is exact, Bird et al. 2026, arXiv:2606.09275).
 /// Overlaps below 1e-11 of the box are ignored; a box that pokes out of what is known is clipped and renormalised.
 /// Workspace is kept between calls, so use one object per thread.
-template <int dim>
-class BoxAverage
+template <int dim> class BoxAverage
 {
 public:
   explicit BoxAverage(const LeafTable<dim>& table);
 
   /// Leaves under the box with their fractions (sum 1); empty if the box lies outside the grid.
-  const std::vector<Overlap>& find_overlaps(const std::array<double, dim>& centre, const std::array<double, dim>& half_width);
+  const std::vector<Overlap>& find_overlaps(const std::array<double, dim>& centre,
+                                            const std::array<double, dim>& half_width);
   /// Node shares of the last box, in the order in which its leaves name the nodes.
   const std::vector<NodeShare<dim>>& average();
 
@@ -48,30 +47,26 @@ private:
 
 /// Values and gradients of a leaf's true nodes at a point x (m) of the leaf, added to `shares` with a weight.
 template <int dim>
-void add_leaf_shape(const LeafTable<dim>& table,
-                    unsigned int leaf,
-                    const std::array<double, dim>& x,
-                    double weight,
+void add_leaf_shape(const LeafTable<dim>& table, unsigned int leaf, const std::array<double, dim>& x, double weight,
                     std::vector<NodeShare<dim>>& shares);
 
 /// The particles of a rank with their patterns, before nodes are numbered: nodes are local numbers of the leaf table.
 struct HostStencils
 {
-  std::vector<unsigned int> pattern_node_begin, pattern_nodes, pattern_particle_begin, pattern_particles, pattern_of_particle;
+  std::vector<unsigned int> pattern_node_begin, pattern_nodes, pattern_particle_begin, pattern_particles,
+      pattern_of_particle;
   std::vector<std::size_t> value_begin;
   std::vector<double> value, gradient;
 };
 
 /// Builds the stencils of all particles; `leaf_of_particle` (ascending runs) only serves to find equal patterns. With
-/// `point_basis` every box is shrunk to its centre (standard MPM). Throws SolverError if a particle lies outside the grid.
+/// `point_basis` every box is shrunk to its centre (standard MPM). Throws SolverError if a particle lies outside the
+/// grid.
 template <int dim>
-HostStencils build_stencils(const LeafTable<dim>& table,
-                            const std::vector<std::array<double, dim>>& centre,
+HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
-                            const std::vector<unsigned int>& leaf_of_particle,
-                            bool point_basis);
+                            const std::vector<unsigned int>& leaf_of_particle, bool point_basis);
 
 /// Renames the nodes by `number` (leaf-table node -> active node), sorts each pattern by it and copies to the device.
-template <int dim>
-StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number);
+template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number);
 } // namespace kedge

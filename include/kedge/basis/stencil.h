@@ -7,8 +7,8 @@ namespace kedge
 {
 /// Particles that see the same nodes form a pattern. Pattern k holds the nodes
 /// pattern_nodes[pattern_node_begin[k] .. pattern_node_begin[k + 1]), ascending, and the particles
-/// pattern_particles[pattern_particle_begin[k] .. pattern_particle_begin[k + 1]). Particle p with n nodes has its values
-/// S_v(p) at value[value_begin[p] + v] and its gradients (1/m) at gradient[dim * (value_begin[p] + v) + axis].
+/// pattern_particles[pattern_particle_begin[k] .. pattern_particle_begin[k + 1]). Particle p with n nodes has its
+/// values S_v(p) at value[value_begin[p] + v] and its gradients (1/m) at gradient[dim * (value_begin[p] + v) + axis].
 struct StencilSet
 {
   unsigned int dim = 3;

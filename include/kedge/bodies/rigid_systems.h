@@ -35,10 +35,8 @@ struct RigidSystems
 RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters, unsigned int dim);
 
 /// Sets the conditions of all points to those of the input, then to those of the stage.
-void apply_conditions(RigidSystems& systems,
-                      const std::vector<SystemParameters>& parameters,
-                      const std::vector<PointConditionsOverride>& overrides,
-                      unsigned int dim);
+void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>& parameters,
+                      const std::vector<PointConditionsOverride>& overrides, unsigned int dim);
 
 /// Axis-aligned bounds of all surfaces as they stand, m; empty (min > max) without surfaces.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);

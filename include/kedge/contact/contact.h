@@ -13,8 +13,7 @@
 namespace kedge
 {
 /// What one rank knows of its particles, in the order of their arrays; lengths in m.
-template <int dim>
-struct ContactParticles
+template <int dim> struct ContactParticles
 {
   const std::vector<std::array<double, dim>>&centre, &half_width;
   const std::vector<long long>& id;
@@ -24,30 +23,26 @@ struct ContactParticles
 /// Force (N) and moment (N m, about the point) that the soil exerts on each rigid point, summed over all ranks.
 using BodyLoads = std::vector<Vector6>;
 
-/// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface, by
-/// penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is kept per
-/// (particle, corner, surface) and follows particles from rank to rank.
-template <int dim>
-class Contact
+/// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
+/// by penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is
+/// kept per (particle, corner, surface) and follows particles from rank to rank.
+template <int dim> class Contact
 {
 public:
   Contact(const ContactParameters& parameters, MPI_Comm communicator);
 
   /// Finds the corners that could touch a body during the next step and their nodes. `reach` is how far beyond its own
   /// size a particle is looked at, m. `number` maps leaf-table nodes to active ones.
-  void find_pairs(const RigidSystems& bodies,
-                  const LeafTable<dim>& table,
-                  const ContactParticles<dim>& particles,
-                  const std::vector<unsigned int>& number,
-                  double reach);
+  void find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table, const ContactParticles<dim>& particles,
+                  const std::vector<unsigned int>& number, double reach);
 
   /// Takes the penetration of every pair as its reference, for bodies that are buried from the start.
   void take_reference_gaps(const RigidSystems& bodies);
 
-  /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes trial
-  /// history. `committed` are the bodies at the start of the step.
-  const PointForces&
-  evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments, const double* nodal_increment);
+  /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes
+  /// trial history. `committed` are the bodies at the start of the step.
+  const PointForces& evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
+                              const double* nodal_increment);
 
   /// What the last evaluation returned.
   const PointForces& points_of_last_evaluation() const { return points; }
@@ -93,11 +88,11 @@ private:
   struct Pair
   {
     Key key;
-    unsigned int point;      ///< of PointForces
-    Eigen::Vector3d start;   ///< corner at the start of the step, m
+    unsigned int point;    ///< of PointForces
+    Eigen::Vector3d start; ///< corner at the start of the step, m
     ContactStiffness stiffness;
     History committed, trial;
-    double gap = 0.;         ///< signed distance in the last evaluation
+    double gap = 0.; ///< signed distance in the last evaluation
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
   };

@@ -35,8 +35,7 @@ struct ContactResponse
 
 /// Return mapping on the tangential force (Wriggers 2006, Computational Contact Mechanics, ch. 5; Bird et al. 2025,
 /// arXiv:2412.01565). `previous` is the tangential force at the start of the step, already turned with the body.
-KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at,
-                                                  const ContactStiffness& stiffness,
+KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, const ContactStiffness& stiffness,
                                                   const Eigen::Vector3d& previous)
 {
   ContactResponse response;
@@ -59,21 +58,21 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at,
     return response;
   const Eigen::Vector3d elastic = previous - stiffness.tangential * at.slip, trial = along * elastic;
   const Eigen::Matrix3d trial_change =
-    -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
+      -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
   const double size = std::sqrt(trial.dot(trial)), limit = stiffness.friction * pressure;
   if (size <= limit)
-    {
-      response.tangential = trial;
-      response.tangent += trial_change;
-    }
+  {
+    response.tangential = trial;
+    response.tangent += trial_change;
+  }
   else
-    {
-      response.sliding = true;
-      const Eigen::Vector3d direction = trial * (1. / size);
-      response.tangential = limit * direction;
-      response.tangent -= stiffness.friction * stiffness.normal * direction * n.transpose();
-      response.tangent += (limit / size) * (trial_change - direction * (direction.transpose() * trial_change));
-    }
+  {
+    response.sliding = true;
+    const Eigen::Vector3d direction = trial * (1. / size);
+    response.tangential = limit * direction;
+    response.tangent -= stiffness.friction * stiffness.normal * direction * n.transpose();
+    response.tangent += (limit / size) * (trial_change - direction * (direction.transpose() * trial_change));
+  }
   response.force += response.tangential;
   return response;
 }

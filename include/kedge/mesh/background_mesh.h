@@ -10,8 +10,7 @@
 
 namespace kedge
 {
-template <int dim>
-class BackgroundMesh
+template <int dim> class BackgroundMesh
 {
 public:
   using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;

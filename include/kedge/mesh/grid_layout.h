@@ -7,8 +7,7 @@
 namespace kedge
 {
 /// Brick of base cells with its lower corner at the origin. Lengths in m.
-template <int dim>
-struct GridLayout
+template <int dim> struct GridLayout
 {
   double base_size = 0.;                      ///< edge of a base cell
   double finest_size = 0.;                    ///< smallest size asked for anywhere; base_size / 2^k
@@ -21,13 +20,11 @@ struct GridLayout
 /// Largest size not above `size` that is `finest` times a power of two (both in m).
 double round_down_to_level(double size, double finest);
 
-/// Rounds the sizes of a scene to a grid: `sizes` are all cell sizes asked for (the smallest is exact, `base` is rounded
-/// down to it times a power of two), the footprint is rounded up to whole base cells, the block's top up to a whole row of
-/// particles, and the grid is twice as high as the soil. `footprint` holds dim - 1 lengths.
+/// Rounds the sizes of a scene to a grid: `sizes` are all cell sizes asked for (the smallest is exact, `base` is
+/// rounded down to it times a power of two), the footprint is rounded up to whole base cells, the block's top up to a
+/// whole row of particles, and the grid is twice as high as the soil. `footprint` holds dim - 1 lengths.
 template <int dim>
-GridLayout<dim> make_grid_layout(double base,
-                                 const std::vector<double>& sizes,
-                                 const std::array<double, dim - 1>& footprint,
-                                 double soil_thickness,
+GridLayout<dim> make_grid_layout(double base, const std::vector<double>& sizes,
+                                 const std::array<double, dim - 1>& footprint, double soil_thickness,
                                  unsigned int particles_per_axis);
 } // namespace kedge

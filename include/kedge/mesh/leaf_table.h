@@ -9,8 +9,7 @@ namespace kedge
 {
 /// Leaves owned by this rank and the ghost leaves around them. A leaf's shape functions are those of its "true" nodes:
 /// the share of a hanging vertex has been handed to its masters.
-template <int dim>
-struct LeafTable
+template <int dim> struct LeafTable
 {
   static constexpr unsigned int n_vertices = 1u << dim;
 
@@ -28,8 +27,8 @@ struct LeafTable
     int tree_index;                ///< index of the deal.II cell on its level
   };
 
-  /// Octree without pointers: entries >= 0 are the first of 2^dim consecutive children, entries < 0 are leaf -1 - entry,
-  /// `unknown` marks what other ranks own. The first entries are the base cells, x fastest.
+  /// Octree without pointers: entries >= 0 are the first of 2^dim consecutive children, entries < 0 are leaf -1 -
+  /// entry, `unknown` marks what other ranks own. The first entries are the base cells, x fastest.
   static constexpr std::int32_t unknown = INT32_MIN;
   std::vector<std::int32_t> tree;
   std::array<unsigned int, dim> base_cells{};
@@ -37,7 +36,8 @@ struct LeafTable
 
   std::vector<Leaf> leaves;
   std::vector<unsigned int> nodes; ///< local node numbers of each leaf's true nodes
-  /// weights[vertex * n_nodes + node] of the leaves that are not regular: N_node = sum over vertices of weight * N_vertex.
+  /// weights[vertex * n_nodes + node] of the leaves that are not regular: N_node = sum over vertices of weight *
+  /// N_vertex.
   std::vector<double> weights;
 
   std::vector<long long> node_ids;                    ///< global number of each local node
@@ -46,13 +46,12 @@ struct LeafTable
   long long n_global_nodes = 0;
   long long n_owned_nodes = 0; ///< numbers handed out by this rank, hanging nodes (which are not listed here) included
 
-  /// Leaf that holds x (points on a face belong to the upper cell; the grid's boundary is closed), or -1 where unknown or
-  /// outside.
+  /// Leaf that holds x (points on a face belong to the upper cell; the grid's boundary is closed), or -1 where unknown
+  /// or outside.
   int find_leaf(const std::array<double, dim>& x) const;
 
   /// Appends the leaves whose interior meets the open box (lower, upper), in tree order.
-  void find_leaves(const std::array<double, dim>& lower,
-                   const std::array<double, dim>& upper,
+  void find_leaves(const std::array<double, dim>& lower, const std::array<double, dim>& upper,
                    std::vector<unsigned int>& found) const;
 };
 } // namespace kedge

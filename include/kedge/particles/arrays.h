@@ -13,14 +13,14 @@ struct ParticleArrays
   View<double* [6]> elastic_left_cauchy_green; ///< committed: exp(2 eps_e)
   View<double*> young, initial_volume, mass;   ///< committed
   View<unsigned int*> layer;                   ///< committed
-  View<double* [6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
+  View<double*[6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
   View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
 };
 
 /// Result of a step per particle, for the commit.
 struct ParticleIncrements
 {
-  View<double* [3]> displacement;        ///< m
+  View<double* [3]> displacement;         ///< m
   View<double* [9]> deformation_gradient; ///< dF of the step
 };
 } // namespace kedge

@@ -10,8 +10,7 @@
 
 namespace kedge
 {
-template <int dim>
-class ParticleSet
+template <int dim> class ParticleSet
 {
 public:
   using Handler = dealii::Particles::ParticleHandler<dim>;

@@ -15,8 +15,8 @@ struct StageEstimate
   double seconds; ///< on one core
 };
 
-/// Counts cells, unknowns and material points from the sizes alone. Time and memory come from rates measured on one core of
-/// a server; they tell minutes from hours, no more.
+/// Counts cells, unknowns and material points from the sizes alone. Time and memory come from rates measured on one
+/// core of a server; they tell minutes from hours, no more.
 std::vector<StageEstimate> estimate_cost(const Input& input);
 
 /// The table that `kedge check` prints.

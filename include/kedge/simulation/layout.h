@@ -6,6 +6,5 @@
 namespace kedge
 {
 /// The grid that an input asks for; every size named in any stage counts.
-template <int dim>
-GridLayout<dim> make_grid_layout(const Input& input);
+template <int dim> GridLayout<dim> make_grid_layout(const Input& input);
 } // namespace kedge

@@ -12,10 +12,9 @@
 
 namespace kedge
 {
-/// Fixed data of a step: basis, numbering, sparsity, contact pairs. Solving it for a body increment and a load leaves the
-/// trial state in the particle arrays and the contact; nothing committed changes.
-template <int dim>
-class StepProblem
+/// Fixed data of a step: basis, numbering, sparsity, contact pairs. Solving it for a body increment and a load leaves
+/// the trial state in the particle arrays and the contact; nothing committed changes.
+template <int dim> class StepProblem
 {
 public:
   struct Load
@@ -25,19 +24,13 @@ public:
     std::vector<Vector6> body_increments; ///< per rigid point, of the whole (possibly cut) step
   };
 
-  /// Nodal increments of a requested step (m, dim per node of the leaf table) as the last steps had them: the guess from
-  /// which the next one starts. Empty: rest.
+  /// Nodal increments of a requested step (m, dim per node of the leaf table) as the last steps had them: the guess
+  /// from which the next one starts. Empty: rest.
   using Prediction = std::vector<double>;
 
   /// Overlaps particles with cells, numbers the active nodes and sets up the sparsity. Collective.
-  StepProblem(const Input& input,
-              const Stage& stage,
-              const BackgroundMesh<dim>& mesh,
-              ParticleSet<dim>& particles,
-              const Materials& materials,
-              const RigidSystems& bodies,
-              Contact<dim>& contact,
-              Timings& timings);
+  StepProblem(const Input& input, const Stage& stage, const BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles,
+              const Materials& materials, const RigidSystems& bodies, Contact<dim>& contact, Timings& timings);
 
   /// Finds equilibrium, from the prediction where that is nearer to it than rest. Collective.
   NewtonReport solve(const Load& load, const Prediction& prediction);

@@ -12,7 +12,7 @@ struct LinearReport
 {
   bool converged = false;
   unsigned int iterations = 0;
-  std::string method;          ///< what finally solved it
+  std::string method;           ///< what finally solved it
   unsigned int escalations = 0; ///< harder methods tried after the first
 };
 
@@ -27,8 +27,8 @@ public:
   /// A new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns, on the row map.
   void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space);
 
-  /// Solves to the given relative residual. A failed Krylov solve is repeated with a fresh hierarchy and, where the size
-  /// allows it, by a factorisation. `x` need not be set. Collective.
+  /// Solves to the given relative residual. A failed Krylov solve is repeated with a fresh hierarchy and, where the
+  /// size allows it, by a factorisation. `x` need not be set. Collective.
   LinearReport solve(const TpetraVector& right_side, TpetraVector& x, double relative_tolerance);
 
 private:
@@ -38,8 +38,7 @@ private:
 
 /// Rigid body modes of nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
 /// with `constrained[dof] != 0` get zero. Sizes follow the row map of `map`.
-Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map,
-                                                      unsigned int dim,
+Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, unsigned int dim,
                                                       const std::vector<double>& position,
                                                       const std::vector<unsigned char>& constrained);
 } // namespace kedge

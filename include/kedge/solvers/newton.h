@@ -25,7 +25,8 @@ struct NewtonProblem
   /// Fills r(x); returns the convergence measure (infinite or NaN where x is not admissible).
   std::function<double(const TpetraVector& x, TpetraVector& residual)> residual;
   /// Solves J(x) dx = r to a relative tolerance.
-  std::function<LinearReport(const TpetraVector& x, const TpetraVector& residual, TpetraVector& dx, double tolerance)> solve;
+  std::function<LinearReport(const TpetraVector& x, const TpetraVector& residual, TpetraVector& dx, double tolerance)>
+      solve;
 };
 
 /// Finds r(x) = 0 from the given x by x <- x - alpha dx. The linear tolerance follows Eisenstat & Walker 1996

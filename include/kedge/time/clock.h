@@ -5,9 +5,9 @@
 
 namespace kedge
 {
-/// Counts a stage's progress in ticks, exact fractions of a requested step, so that a stage ends where it should after any
-/// sequence of cuts. A failed step is halved; a successful one is followed by one of twice its size, up to the requested
-/// size and not across the end of a requested step.
+/// Counts a stage's progress in ticks, exact fractions of a requested step, so that a stage ends where it should after
+/// any sequence of cuts. A failed step is halved; a successful one is followed by one of twice its size, up to the
+/// requested size and not across the end of a requested step.
 class Clock
 {
 public:

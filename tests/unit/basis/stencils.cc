@@ -184,7 +184,7 @@ public:
 
   ActiveNumbers()
   {
-    // each rank uses the nodes of those of its leaves that lie in the left part of the grid
+    // each rank uses the nodes of some of its leaves, so that the owner of a node may not use it itself
     const LeafTable<dim>& table = this->mesh.leaves();
     used.assign(table.node_ids.size(), 0);
     for (const auto& leaf : table.leaves)
@@ -194,7 +194,7 @@ public:
     nodes = number_active_nodes<dim>(table, used, MPI_COMM_WORLD);
   }
 
-  template <typename Leaf> static bool is_used(const Leaf& leaf) { return leaf.lower[0] < 0.4; }
+  template <typename Leaf> static bool is_used(const Leaf& leaf) { return test::noise_at(leaf.lower, dim, 9) < 0.2; }
 
   std::vector<unsigned char> used;
   ActiveNodes nodes;
