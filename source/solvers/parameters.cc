@@ -28,7 +28,8 @@ Section<SolverParameters> solver_section()
                                                {"iterative", LinearSolverChoice::iterative},
                                                {"direct", LinearSolverChoice::direct}}),
                    "Multigrid-preconditioned GMRES, a factorisation, or whichever suits the size");
-  section.optional("reuse", &P::reuse, on_off(), "Keep the preconditioner from one Newton iteration to the next while it still converges");
+  section.optional("reuse", &P::reuse, on_off(),
+                   "Keep the preconditioner from one Newton iteration to the next while it still converges");
   section.optional("minimum step fraction", &P::minimum_step_fraction, number("-", positive().at_most(1.)),
                    "Smallest share of a step to which it may be cut; the run stops below it");
   return section;
