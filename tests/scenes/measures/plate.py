@@ -9,9 +9,15 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
 from kedge_plot.resistance import fit_hyperbola  # noqa: E402  (found only after the line above)
 
 
+def _start(run):
+    """Where the plate's point begins along x, m."""
+    system = run.input["rigid bodies"][0]
+    return system["points"][0]["position"][0] + system.get("offset", [0.])[0]
+
+
 def _curve(run, area):
     """Displacement (m) from the start of the run and resistance (Pa) of the whole anchor, both along the motion."""
-    start = run.input["rigid bodies"][0]["points"][0]["position"][0]
+    start = _start(run)
     displacement = run.body("body1_position_x") - start
     direction = np.sign(displacement[-1])
     return direction * displacement, direction * 2. * run.body("body1_reaction force_x") / area
@@ -51,7 +57,7 @@ def _surface_motion(run):
     of symmetry, m."""
     z, y = run.points("initial position_z"), run.points("initial position_y")
     chosen = np.isclose(z, z.max()) & np.isclose(y, y.min())
-    start = run.input["rigid bodies"][0]["points"][0]["position"][0]
+    start = _start(run)
     direction = np.sign(run.body("body1_position_x")[-1] - start)
     ahead = direction * (run.points("initial position_x")[chosen] - start)
     return ahead, run.points("displacement_z")[chosen]
