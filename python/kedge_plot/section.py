@@ -63,7 +63,8 @@ def _crossing(boxes, normal, at):
         return np.zeros(0, dtype=bool)
     if (high == low).all():  # plane strain
         return abs(low - at) <= 1e-9
-    tolerance = 1e-6 * (high - low)
+    # On a plane of symmetry boxes start with a face in the plane and drift off it a little: look just inside them.
+    tolerance = 0.25 * (high - low)
     above = (low <= at + tolerance) & (high > at + tolerance)
     return above if above.any() else (low < at) & (high >= at - tolerance)
 
