@@ -29,7 +29,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
   list.set("coarse: max size", parallel ? 300 : 1000);
-  if (parallel) // KLU2 of Trilinos 13 is wrong for unsymmetric matrices that are spread over ranks
+  if (parallel) // KLU2 of Trilinos 13 is wrong for matrices that are spread over ranks, symmetric ones too
   {
     list.set("coarse: type", "RELAXATION");
     Teuchos::ParameterList& coarse = list.sublist("coarse: params");
