@@ -23,7 +23,7 @@ struct Arguments
 {
   std::string file, output;
   std::vector<std::string> overrides;
-  bool cpu = false, quiet = false;
+  bool cpu = false, quiet = false, verbose = false;
 };
 
 void run(const Arguments& arguments)
@@ -37,6 +37,7 @@ void run(const Arguments& arguments)
   options.output_directory =
       arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
   options.quiet = arguments.quiet;
+  options.verbose = arguments.verbose;
   kedge::run_simulation(input, options);
 }
 
@@ -74,6 +75,8 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   run_command.add_option("-o,--output", arguments.output, "Folder for all output [<stem of FILE>-output]");
   run_command.add_flag("--cpu", arguments.cpu, "Run on the CPU whatever \"GPU\" says");
   run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
+  run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
+      ->excludes("--quiet");
   run_command.final_callback([&] { run(arguments); });
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and tell what it costs to run");

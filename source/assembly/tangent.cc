@@ -10,8 +10,16 @@ using Policy = Kokkos::TeamPolicy<ExecutionSpace>;
 using Member = Policy::member_type;
 using Scratch = Kokkos::View<double*, ExecutionSpace::scratch_memory_space, Kokkos::MemoryUnmanaged>;
 
-/// Particles whose contracted moduli are held at once: as many as stay in the first-level cache.
-constexpr std::size_t cache_bytes = 32768;
+/// Particles whose contracted moduli are held at once: as many as stay in the nearer caches.
+constexpr std::size_t cache_bytes = 131072;
+
+/// Nodes and columns whose sums are kept in registers: 4 x 8 numbers are half of those that AVX2 has.
+constexpr unsigned int node_block = 4, column_block = 8;
+
+KEDGE_FUNCTION constexpr unsigned int round_up(const unsigned int n, const unsigned int block)
+{
+  return (n + block - 1) / block * block;
+}
 
 /// Adds the blocks of one pattern: all its particles first sum into rows of blocks, which then go to the matrix once.
 template <int dim> struct TangentKernel
@@ -27,8 +35,9 @@ template <int dim> struct TangentKernel
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
 
-  /// contracted[(j dim + i) width + dim b + k] = V0 a_ijkl G_bl and gradient[dim b + j] = G_bj of one particle.
-  KEDGE_FUNCTION void contract(const unsigned int p, const unsigned int n, double* contracted,
+  /// contracted[(j dim + i) width + dim b + k] = V0 a_ijkl G_bl and gradient[dim b + j] = G_bj of one particle, with
+  /// zeros behind the last node.
+  KEDGE_FUNCTION void contract(const unsigned int p, const unsigned int n, const unsigned int width, double* contracted,
                                double* spatial_gradient) const
   {
     const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
@@ -40,7 +49,11 @@ template <int dim> struct TangentKernel
     const double volume = particles.initial_volume(p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-    const unsigned int width = dim * n;
+    for (unsigned int row = 0; row < rows; ++row)
+      for (unsigned int c = dim * n; c < width; ++c)
+        contracted[row * width + c] = 0.;
+    for (unsigned int s = dim * n; s < dim * round_up(n, node_block); ++s)
+      spatial_gradient[s] = 0.;
     for (unsigned int v = 0; v < n; ++v)
     {
       double g[3] = {0., 0., 0.}, scaled[3] = {0., 0., 0.};
@@ -65,67 +78,79 @@ template <int dim> struct TangentKernel
   {
     const unsigned int pattern = team.league_rank();
     const unsigned int first_node = stencils.pattern_node_begin(pattern);
-    const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first_node, width = dim * n;
+    const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first_node;
+    const unsigned int width = round_up(dim * n, column_block), n_padded = round_up(n, node_block);
     const unsigned int begin = stencils.pattern_particle_begin(pattern),
                        end = stencils.pattern_particle_begin(pattern + 1);
-    const Scratch contracted(team.team_scratch(0), chunk * rows * width), gradient(team.team_scratch(0), chunk * width);
-    const Scratch sums(team.thread_scratch(0), dim * width);
+    const Scratch contracted(team.team_scratch(0), chunk * rows * width),
+        gradient(team.team_scratch(0), chunk * dim * n_padded);
+    const Scratch sums(team.thread_scratch(0), node_block * dim * width);
 
     for (unsigned int start = begin; start < end; start += chunk)
     {
       const unsigned int count = start + chunk < end ? chunk : end - start;
-      Kokkos::parallel_for(
-          Kokkos::TeamThreadRange(team, count), [&](const unsigned int c)
-          { contract(stencils.pattern_particles(start + c), n, &contracted(c * rows * width), &gradient(c * width)); });
-      team.team_barrier();
-      Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n),
-                           [&](const unsigned int a)
+      Kokkos::parallel_for(Kokkos::TeamThreadRange(team, count),
+                           [&](const unsigned int c)
                            {
-                             for (unsigned int s = 0; s < dim * width; ++s)
-                               sums(s) = 0.;
-                             for (unsigned int c = 0; c < count; ++c)
-                               add_rows(&gradient(c * width + dim * a), &contracted(c * rows * width), width, &sums(0));
-                             scatter(stencils.pattern_nodes(first_node + a), &stencils.pattern_nodes(first_node), n,
-                                     &sums(0));
+                             contract(stencils.pattern_particles(start + c), n, width, &contracted(c * rows * width),
+                                      &gradient(c * dim * n_padded));
+                           });
+      team.team_barrier();
+      Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n_padded / node_block),
+                           [&](const unsigned int block)
+                           {
+                             const unsigned int a = block * node_block;
+                             for (unsigned int i = 0; i < dim; ++i)
+                               for (unsigned int column = 0; column < width; column += column_block)
+                                 multiply(&gradient(dim * a), dim * n_padded, &contracted(i * width + column), width,
+                                          count, &sums(i * width + column));
+                             for (unsigned int m = 0; m < node_block && a + m < n; ++m)
+                               scatter(stencils.pattern_nodes(first_node + a + m), &stencils.pattern_nodes(first_node),
+                                       n, width, &sums(m * dim * width));
                            });
       team.team_barrier();
     }
   }
 
-  /// sums[i width + c] += sum over j of g[j] contracted[(j dim + i) width + c].
-  KEDGE_FUNCTION static void add_rows(const double* g, const double* contracted, const unsigned int width, double* sums)
+  /// sums[m dim width + c] = sum over particles p and j of g[p stride + dim m + j] contracted[(p rows + j dim) width +
+  /// c], a block of nodes m and columns c.
+  KEDGE_FUNCTION static void multiply(const double* g, const unsigned int stride, const double* contracted,
+                                      const unsigned int width, const unsigned int n_particles, double* sums)
   {
-    for (int i = 0; i < dim; ++i)
-    {
-      double* sum = sums + i * width;
-      const double* t0 = contracted + i * width;
-      const double* t1 = contracted + (dim + i) * width;
-      const double* t2 = contracted + ((dim == 3 ? 2 * dim : dim) + i) * width;
-      const double g0 = g[0], g1 = g[1], g2 = dim == 3 ? g[dim - 1] : 0.;
-#ifdef __GNUC__
-#pragma GCC ivdep
-#endif
-      for (unsigned int c = 0; c < width; ++c)
-        sum[c] += g0 * t0[c] + g1 * t1[c] + (dim == 3 ? g2 * t2[c] : 0.);
-    }
+    using Columns = Eigen::Array<double, column_block, 1>; // the compiler does not vectorise plain loops here
+    Columns block[node_block];
+    for (unsigned int m = 0; m < node_block; ++m)
+      block[m].setZero();
+    for (unsigned int p = 0; p < n_particles; ++p)
+      for (unsigned int j = 0; j < dim; ++j)
+      {
+        const Columns t = Eigen::Map<const Columns>(contracted + (p * rows + j * dim) * width);
+        for (unsigned int m = 0; m < node_block; ++m)
+          block[m] += g[p * stride + dim * m + j] * t;
+      }
+    for (unsigned int m = 0; m < node_block; ++m)
+      Eigen::Map<Columns>(sums + m * dim * width) = block[m];
   }
 
   /// Nodes and columns both ascend, so one walk along the row finds all positions.
   KEDGE_FUNCTION void scatter(const unsigned int row, const unsigned int* nodes, const unsigned int n,
-                              const double* sums) const
+                              const unsigned int width, const double* sums) const
   {
     const std::size_t begin = row_begin(row);
     const unsigned int length = row_begin(row + 1) - begin;
     const unsigned int* columns = &column(begin);
     double* target = &values(dim * dim * begin);
-    unsigned int position = 0;
-    for (unsigned int b = 0; b < n; ++b, ++position)
+    const std::size_t row_stride = std::size_t(dim) * length;
+    const unsigned int* at = columns;
+    for (unsigned int b = 0; b < n; ++b, ++at)
     {
-      while (columns[position] != nodes[b])
-        ++position;
-      for (int i = 0; i < dim; ++i)
+      while (*at != nodes[b])
+        ++at;
+      double* to = target + dim * (at - columns);
+      const double* from = sums + dim * b;
+      for (int i = 0; i < dim; ++i, to += row_stride, from += width)
         for (int k = 0; k < dim; ++k)
-          add_to(target[dim * (i * length + position) + k], sums[(i * n + b) * dim + k]);
+          add_to(to[k], from[k]);
     }
   }
 };
@@ -135,16 +160,17 @@ template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                  const NodalVector& increment, const NodeGraph& graph, const View<double*>& values)
 {
-  const unsigned int width = dim * stencils.max_nodes;
-  const std::size_t per_particle = sizeof(double) * width * (dim * dim + 1);
+  const unsigned int width = round_up(dim * stencils.max_nodes, column_block);
+  const unsigned int gradients = dim * round_up(stencils.max_nodes, node_block);
+  const std::size_t per_particle = sizeof(double) * (dim * dim * width + gradients);
   const unsigned int chunk =
-      std::max<std::size_t>(1, std::min<std::size_t>(8, cache_bytes / std::max<std::size_t>(1, per_particle)));
+      std::max<std::size_t>(1, std::min<std::size_t>(16, cache_bytes / std::max<std::size_t>(1, per_particle)));
   const TangentKernel<dim> kernel{particles,       stencils,     materials, increment,
                                   graph.row_begin, graph.column, values,    chunk};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
-      0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * width)),
-      Kokkos::PerThread(Scratch::shmem_size(dim * width)));
+      0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),
+      Kokkos::PerThread(Scratch::shmem_size(node_block * dim * width)));
   Kokkos::parallel_for("tangent", policy, kernel);
 }
 

@@ -192,7 +192,7 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     at.normal = now.direction_to_world(closest->normal);
     const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
     at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
-    at.slip = displacement - (now.to_world(closest->point) - before.to_world(closest->point));
+    at.slip = now.direction_to_world(now.to_body(pair.position) - before.to_body(pair.start)); // as the body sees it
     const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.committed.tangential));
 
     const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);

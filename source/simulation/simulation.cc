@@ -37,6 +37,14 @@ double magnitude(const std::array<double, 3>& x)
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
 }
 
+std::string format_residuals(const NewtonReport& newton)
+{
+  std::string text;
+  for (const double residual : newton.residuals)
+    text += fmt::format(" {:.2e}", residual);
+  return text;
+}
+
 template <int dim> class Simulation
 {
 public:
@@ -193,6 +201,10 @@ template <int dim> void Simulation<dim>::count(const NewtonReport& newton, const
   counts.cuts = clock.cuts();
   counts.newton_iterations += newton.iterations;
   counts.krylov_iterations += newton.krylov_iterations;
+  if (options.verbose)
+    report.line(fmt::format("step {} {}: {} Krylov iterations, residuals{}", step,
+                            newton.converged ? "converged" : newton.failure, newton.krylov_iterations,
+                            format_residuals(newton)));
 }
 
 template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
@@ -271,16 +283,13 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
   if (summary.stages.back().steps > 0)
     write_output(clock, true);
   finish_summary("failed: " + newton.failure);
-  std::string history;
-  for (const double residual : newton.residuals)
-    history += fmt::format(" {:.2e}", residual);
   throw SolverError(
       fmt::format(
           "stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
           "Residual over the soil's weight:{}\n"
           "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
           stage_number + 1, clock.steps_done() + 1., clock.requested_steps(), newton.failure, clock.step_fraction(),
-          history),
+          format_residuals(newton)),
       newton.residuals);
 }
 

@@ -31,12 +31,9 @@ StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const Ba
   system = std::make_unique<System>(
       dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
 
-  std::vector<double> position;
-  for (unsigned int v = 0; v < nodes.n_owned; ++v)
-    for (const double x : mesh.leaves().node_position[nodes.mesh_node[v]])
-      position.push_back(x);
-  linear_solver.set_structure(system->matrix(),
-                              make_rigid_body_modes(system->graph().row_map, dim, position, constrained));
+  const NodePlaces places = find_node_places();
+  linear_solver.set_structure(
+      system->matrix(), make_rigid_body_modes(system->graph().row_map, dim, places.position, constrained), places);
 
   increment = Teuchos::rcp(new TpetraVector(system->graph().row_map));
   full_weight = system->make_nodal_vector();
@@ -91,6 +88,23 @@ template <int dim> std::vector<unsigned char> StepProblem<dim>::find_constrained
             constrained[dim * v + d] = 1;
       }
   return constrained;
+}
+
+template <int dim> NodePlaces StepProblem<dim>::find_node_places() const
+{
+  const LeafTable<dim>& table = mesh.leaves();
+  std::vector<double> spacing(table.node_ids.size(), 0.);
+  for (const auto& leaf : table.leaves)
+    for (unsigned int i = leaf.node_begin; i < leaf.node_begin + leaf.n_nodes; ++i)
+      spacing[table.nodes[i]] = std::max(spacing[table.nodes[i]], leaf.size);
+  NodePlaces places;
+  for (unsigned int v = 0; v < nodes.n_owned; ++v)
+  {
+    for (const double x : table.node_position[nodes.mesh_node[v]])
+      places.position.push_back(x);
+    places.spacing.push_back(spacing[nodes.mesh_node[v]]);
+  }
+  return places;
 }
 
 template <int dim> void StepProblem<dim>::find_contact_pairs()

@@ -6,6 +6,7 @@
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Tpetra_RowMatrixTransposer.hpp>
 #include <kedge/solvers/linear_solver.h>
+#include <kedge/solvers/near_matrix.h>
 
 namespace kedge
 {
@@ -17,7 +18,7 @@ using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, Tpe
 
 constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
-constexpr unsigned int worn_out_minimum = 20;     // iterations that an old hierarchy may always take
+constexpr unsigned int worth_a_rebuild = 8;       // iterations that cost about as much as a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
 {
@@ -39,7 +40,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   else
     list.set("coarse: type", "KLU2");
   list.set("max levels", 6);
-  list.set("reuse: type", "none");
+  list.set("reuse: type", "RP"); // new values keep the aggregates and the prolongators
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
@@ -100,8 +101,10 @@ struct LinearSolver::Implementation
   unsigned int block_size;
   Teuchos::RCP<TpetraMatrix> matrix;
   Teuchos::RCP<MultiVector> near_null_space;
+  std::unique_ptr<NearMatrix> near; ///< what the hierarchy is built from, where the nodes' places are known
   Teuchos::RCP<Hierarchy> hierarchy;
-  unsigned int fresh_iterations = 0;
+  bool strong_hierarchy = false;
+  unsigned int fresh_iterations = 0, last_iterations = 0; ///< of the present hierarchy
 
   bool prefers_direct() const
   {
@@ -110,13 +113,28 @@ struct LinearSolver::Implementation
             matrix->getGlobalNumRows() < always_direct_below);
   }
 
+  /// A worn-out hierarchy takes so many more iterations than when it was new that a new one is cheaper.
+  bool keeps_hierarchy() const
+  {
+    return !hierarchy.is_null() && parameters.reuse && !strong_hierarchy &&
+           last_iterations < fresh_iterations + worth_a_rebuild;
+  }
+
   void build_hierarchy(const bool strong)
   {
+    if (near)
+      near->update();
+    const Teuchos::RCP<TpetraMatrix> from = near ? near->matrix() : matrix;
+    if (!hierarchy.is_null() && strong == strong_hierarchy)
+    {
+      MueLu::ReuseTpetraPreconditioner(from, *hierarchy);
+      return;
+    }
     Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, matrix->getComm()->getSize() > 1);
     list.sublist("user data").set("Nullspace", near_null_space);
-    const Teuchos::RCP<Operator> as_operator = matrix;
+    const Teuchos::RCP<Operator> as_operator = from;
     hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
-    fresh_iterations = 0;
+    strong_hierarchy = strong;
   }
 
   LinearReport solve_direct(const TpetraVector& b, TpetraVector& x) const
@@ -201,11 +219,14 @@ LinearSolver::LinearSolver(const SolverParameters& parameters, const unsigned in
 LinearSolver::~LinearSolver() = default;
 
 void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
-                                 const Teuchos::RCP<TpetraMultiVector>& near_null_space)
+                                 const Teuchos::RCP<TpetraMultiVector>& near_null_space, const NodePlaces& places)
 {
   implementation->matrix = matrix;
   implementation->near_null_space = near_null_space;
   implementation->hierarchy = Teuchos::null;
+  implementation->near.reset();
+  if (!places.position.empty() && !implementation->prefers_direct())
+    implementation->near = std::make_unique<NearMatrix>(matrix, implementation->block_size, places);
 }
 
 LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x, const double relative_tolerance)
@@ -217,35 +238,29 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
   const unsigned int limit = solver.parameters.max_linear_iterations;
   LinearReport report;
   unsigned int iterations = 0, escalations = 0;
-  if (!solver.hierarchy.is_null() && solver.parameters.reuse)
+  if (solver.keeps_hierarchy())
   {
-    // an old hierarchy that needs more than twice the iterations of its first solve costs more than a new one
     report = solver.solve_krylov(right_side, x, relative_tolerance,
-                                 std::min(limit, std::max(worn_out_minimum, 2 * solver.fresh_iterations)));
+                                 std::min(limit, solver.fresh_iterations + 3 * worth_a_rebuild));
     iterations += report.iterations;
+    solver.last_iterations = report.iterations;
   }
-  if (!report.converged)
-  {
-    solver.build_hierarchy(false);
-    report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
-    iterations += report.iterations;
-    solver.fresh_iterations = report.iterations;
-  }
-  if (!report.converged)
-  {
-    solver.build_hierarchy(true);
-    report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
+  for (const bool strong : {false, true})
+    if (!report.converged)
+    {
+      solver.build_hierarchy(strong);
+      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
+      iterations += report.iterations;
+      escalations += strong;
+      solver.fresh_iterations = solver.last_iterations = report.iterations;
+    }
+  if (escalations > 0)
     report.method = "GMRES with a stronger smoother";
-    iterations += report.iterations;
-    ++escalations;
-  }
   if (!report.converged && solver.matrix->getGlobalNumRows() < never_direct_above)
   {
     report = solver.solve_direct(right_side, x);
     ++escalations;
   }
-  if (escalations > 0)
-    solver.hierarchy = Teuchos::null;
   report.iterations = iterations;
   report.escalations = escalations;
   return report;

@@ -6,7 +6,7 @@ namespace kedge
 {
 namespace
 {
-constexpr double loosest = 1e-2, tightest = 1e-8; // of the linear tolerance
+constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 6;
 constexpr double slack = 0.8;        // share of the work along a step that may remain

@@ -11,6 +11,7 @@ struct RunOptions
   std::string input_file;       ///< for the summary
   std::string output_directory; ///< every output lands below it
   bool quiet = false;
+  bool verbose = false; ///< print the residuals of every step
 };
 
 /// Reads every surface of the input. Throws InputError where one is not closed, inverted or crosses itself.

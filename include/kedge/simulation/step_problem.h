@@ -46,6 +46,7 @@ public:
 private:
   void number_nodes();
   std::vector<unsigned char> find_constrained_dofs() const;
+  NodePlaces find_node_places() const;
   void find_contact_pairs();
   void start_from(const NewtonProblem& newton, const Prediction& prediction);
   double residual(const TpetraVector& x, TpetraVector& r);

@@ -1,7 +1,7 @@
 // Linear systems: GMRES with algebraic multigrid, or a direct factorisation.
 #pragma once
 
-#include <kedge/base/tpetra.h>
+#include <kedge/solvers/near_matrix.h>
 #include <kedge/solvers/parameters.h>
 #include <memory>
 #include <string>
@@ -24,8 +24,10 @@ public:
   LinearSolver(const SolverParameters& parameters, unsigned int block_size);
   ~LinearSolver();
 
-  /// A new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns, on the row map.
-  void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space);
+  /// A new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns, on the row map. Where
+  /// the places of the owned nodes are given, the preconditioner is built from the NearMatrix. Collective.
+  void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space,
+                     const NodePlaces& places = {});
 
   /// Solves to the given relative residual. A failed Krylov solve is repeated with a fresh hierarchy and, where the
   /// size allows it, by a factorisation. `x` need not be set. Collective.

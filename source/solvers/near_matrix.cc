@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+#include <kedge/solvers/near_matrix.h>
+
+namespace kedge
+{
+namespace
+{
+using LocalMatrix = TpetraMatrix::local_matrix_device_type;
+
+/// Places of the nodes of all columns, block_size + 1 numbers each: position and spacing.
+std::vector<double> spread_places(const TpetraMatrix& matrix, const unsigned int block_size, const NodePlaces& places)
+{
+  const unsigned int width = block_size + 1;
+  TpetraMultiVector owned(matrix.getRowMap(), width), all(matrix.getColMap(), width);
+  {
+    auto view = owned.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t dof = 0; dof < view.extent(0); ++dof)
+    {
+      for (unsigned int d = 0; d < block_size; ++d)
+        view(dof, d) = places.position[dof / block_size * block_size + d];
+      view(dof, block_size) = places.spacing[dof / block_size];
+    }
+  }
+  if (const auto importer = matrix.getGraph()->getImporter(); importer.is_null())
+    Tpetra::deep_copy(all, owned);
+  else
+    all.doImport(owned, *importer, Tpetra::INSERT);
+
+  const auto view = all.getLocalViewHost(Tpetra::Access::ReadOnly);
+  std::vector<double> result;
+  for (std::size_t dof = 0; dof < view.extent(0); dof += block_size)
+    for (unsigned int i = 0; i < width; ++i)
+      result.push_back(view(dof, i));
+  return result;
+}
+
+/// No farther apart than the larger of the cells at the two nodes, along every axis.
+bool are_near(const double* a, const double* b, const unsigned int dim)
+{
+  const double reach = 1.001 * std::max(a[dim], b[dim]);
+  for (unsigned int d = 0; d < dim; ++d)
+    if (std::fabs(a[d] - b[d]) > reach)
+      return false;
+  return true;
+}
+} // namespace
+
+NearMatrix::NearMatrix(const Teuchos::RCP<const TpetraMatrix>& matrix, const unsigned int block_size,
+                       const NodePlaces& places)
+    : full(matrix)
+{
+  const std::vector<double> place = spread_places(*full, block_size, places);
+  const auto graph = full->getLocalMatrixHost().graph;
+  const std::size_t n_rows = graph.numRows(), width = block_size + 1;
+
+  LocalMatrix::row_map_type::non_const_type begin("near rows", n_rows + 1);
+  LocalMatrix::index_type::non_const_type column("near columns", graph.entries.extent(0));
+  target = View<unsigned int*>("targets", graph.entries.extent(0));
+  const auto host_begin = Kokkos::create_mirror_view(begin);
+  const auto host_column = Kokkos::create_mirror_view(column);
+  const auto host_target = Kokkos::create_mirror_view(target);
+  unsigned int count = 0;
+  std::vector<unsigned int> diagonal(block_size);
+  for (std::size_t row = 0; row < n_rows; ++row)
+  {
+    const std::size_t node = row / block_size;
+    constexpr unsigned int far = ~0u;
+    for (std::size_t k = graph.row_map(row); k < graph.row_map(row + 1); ++k)
+    {
+      const std::size_t other = graph.entries(k) / block_size;
+      if (!are_near(&place[width * node], &place[width * other], block_size))
+      {
+        host_target(k) = far;
+        continue;
+      }
+      if (other == node)
+        diagonal[graph.entries(k) % block_size] = count;
+      host_column(count) = graph.entries(k);
+      host_target(k) = count++;
+    }
+    for (std::size_t k = graph.row_map(row); k < graph.row_map(row + 1); ++k)
+      if (host_target(k) == far)
+        host_target(k) = diagonal[graph.entries(k) % block_size];
+    host_begin(row + 1) = count;
+  }
+  Kokkos::deep_copy(begin, host_begin);
+  Kokkos::deep_copy(column, host_column);
+  Kokkos::deep_copy(target, host_target);
+  Kokkos::resize(column, count);
+  near = Teuchos::rcp(new TpetraMatrix(full->getRowMap(), full->getColMap(), begin, column,
+                                       LocalMatrix::values_type("near values", count)));
+  near->expertStaticFillComplete(full->getDomainMap(), full->getRangeMap(), full->getGraph()->getImporter());
+  update();
+}
+
+void NearMatrix::update()
+{
+  const auto from = full->getLocalMatrixDevice();
+  const auto to = near->getLocalMatrixDevice();
+  const auto where = target;
+  Kokkos::parallel_for(
+      "near matrix", Kokkos::RangePolicy<ExecutionSpace>(0, from.numRows()), KOKKOS_LAMBDA(const std::size_t row) {
+        for (std::size_t k = to.graph.row_map(row); k < to.graph.row_map(row + 1); ++k)
+          to.values(k) = 0.;
+        for (std::size_t k = from.graph.row_map(row); k < from.graph.row_map(row + 1); ++k)
+          to.values(where(k)) += from.values(k);
+      });
+}
+} // namespace kedge
