@@ -173,8 +173,7 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
   {
     const WeldedSurface& welded = committed.surfaces[pair.key.surface];
     const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
-    const Eigen::Vector3d displacement = corner_displacement(pair, nodal_increment);
-    pair.position = pair.start + displacement;
+    pair.position = pair.start + corner_displacement(pair, nodal_increment);
     pair.active = false;
     pair.force.setZero();
     pair.gap = std::numeric_limits<double>::infinity();
