@@ -12,7 +12,7 @@ namespace
 {
 constexpr double width_tolerance = 1.05;
 /// Share of a group's bounding box that its domains must fill.
-constexpr double least_filling = 0.5;
+constexpr double least_filling = 0.6;
 
 template <int dim> using Particle = typename ParticleSet<dim>::Handler::particle_iterator;
 template <int dim> using Group = std::vector<Particle<dim>>;

@@ -13,11 +13,12 @@ struct MergeResult
   double elastic_energy_merged = 0.; ///< of the merged particles before, J
 };
 
-/// Joins particles of one layer that lie in the same of the points_per_axis^dim boxes of a cell, smallest first, as
-/// long as the sum is no wider than such a box, give or take 5 %; a particle that is due for splitting is 41 % wider,
-/// so that nothing flickers. Particles stay alone where `keep(position)` holds, where a corner is nearer to a body than
-/// their width, where the group would leave more than half of its bounding box empty, and where their stresses differ
-/// so much that more than `energy_tolerance` of the group's elastic energy would be lost.
+/// Where a cell holds more than points_per_axis^dim particles, joins those of one layer that lie in the same of its
+/// points_per_axis^dim boxes, smallest first, as long as the sum is no wider than such a box, give or take 5 %; a
+/// particle that is due for splitting is 41 % wider, so that nothing flickers. Particles stay alone where
+/// `keep(position)` holds, where a corner is nearer to a body than their width, where the group would fill less than
+/// 60 % of its bounding box, and where their stresses differ so much that more than `energy_tolerance` of the group's
+/// elastic energy would be lost.
 ///
 /// Mass, momentum, initial volume, the domains' volume, sum V0 tau, sum m x and sum V0 det F are kept to round-off. The
 /// merged particle lies in the centre of mass; its domain is the group's bounding box, scaled to the domains' volume.

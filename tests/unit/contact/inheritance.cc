@@ -56,7 +56,7 @@ TYPED_TEST(SplitContact, KeepsALinearTractionAtEveryCorner)
 
 TYPED_TEST(SplitContact, KeepsABuriedBoxFromPushing)
 {
-  typename TestFixture::Block block(0., 2e-2);
+  typename TestFixture::Block block(0., 2e-2, 0.7); // its ends press on children of corners that it does not reach
   block.find_pairs(0.1);
   block.contact.take_reference_gaps(block.bodies);
   block.evaluate_at_rest();

@@ -109,6 +109,20 @@ TYPED_TEST(Cleaning, RemovesIsolatedParticles)
   EXPECT_EQ(this->clean().isolated, 2);
 }
 
+TYPED_TEST(Cleaning, RemovesNeighboursAcrossACorner)
+{
+  const auto is_on_diagonal = [](const auto& x)
+  {
+    for (const double place : {0.125, 0.625})
+      if (std::abs(x[0] - place) < 1e-6 && std::abs(x[TypeParam::value - 1] - place) < 1e-6 &&
+          (TypeParam::value == 2 || x[1] < 0.2))
+        return true;
+    return false;
+  };
+  this->block.particles.remove_if([&](const auto& particle) { return !is_on_diagonal(particle.get_location()); });
+  EXPECT_EQ(this->clean().isolated, 2);
+}
+
 TYPED_TEST(Cleaning, KeepsNeighboursAcrossAFace)
 {
   this->keep_only({0.125, 0.875, 1.375});

@@ -138,7 +138,9 @@ TYPED_TEST(Splitting, CopiesTheStateOfTheParent)
       const auto& data = parents.at(ancestor.at(child.id)).data;
       for (unsigned int i = field::deformation_gradient; i < field::contact_gap; ++i)
         if (i != field::mass && i != field::initial_volume)
+        {
           ASSERT_EQ(child.data[i], data[i]) << "property " << i;
+        }
     }
 }
 
