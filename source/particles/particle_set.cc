@@ -157,12 +157,11 @@ template <int dim> void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh
   mesh_.update();
 }
 
-template <int dim>
-long long ParticleSet<dim>::remove_if(const std::function<bool(const dealii::Point<dim>&)>& condition)
+template <int dim> long long ParticleSet<dim>::remove_if(const std::function<bool(const Accessor&)>& condition)
 {
   std::vector<typename Handler::particle_iterator> doomed;
   for (auto particle = particles.begin(); particle != particles.end(); ++particle)
-    if (condition(particle->get_location()))
+    if (condition(*particle))
       doomed.push_back(particle);
   const long long removed = doomed.size();
   particles.remove_particles(doomed);

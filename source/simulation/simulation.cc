@@ -162,7 +162,9 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 template <int dim> void Simulation<dim>::remove_buried_particles()
 {
   const long long removed = particles.remove_if(
-      [this](const dealii::Point<dim>& x) {
+      [this](const auto& particle)
+      {
+        const dealii::Point<dim> x = particle.get_location();
         return is_inside(bodies, dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]));
       });
   deleted += removed;

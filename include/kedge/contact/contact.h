@@ -7,6 +7,7 @@
 #include <kedge/contact/coulomb.h>
 #include <kedge/contact/parameters.h>
 #include <kedge/contact/point_forces.h>
+#include <kedge/particles/splitting.h>
 #include <map>
 #include <mpi.h>
 
@@ -52,6 +53,13 @@ public:
 
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
   void commit();
+
+  /// Gives the history of split particles to their children. Tractions are interpolated between the parent's corners,
+  /// where corners without history carry none, so that the sum of the tangential forces is kept. Reference gaps are
+  /// interpolated between the corners that have one alone: too deep a reference pushes nothing and finds the true gap
+  /// in the next step, one that is not deep enough would push at once. Call after split_particles and, with several
+  /// ranks, before follow_particles: a split is known to the rank that held the parent.
+  void inherit(const std::vector<Split<dim>>& splits);
 
   /// Hands the history to the ranks that now hold the particles. Collective; call after particles were re-sorted.
   void follow_particles(const std::vector<long long>& ids);

@@ -14,6 +14,7 @@ template <int dim> class ParticleSet
 {
 public:
   using Handler = dealii::Particles::ParticleHandler<dim>;
+  using Accessor = dealii::Particles::ParticleAccessor<dim>;
 
   explicit ParticleSet(BackgroundMesh<dim>& mesh);
 
@@ -40,8 +41,8 @@ public:
   /// Spreads cells with their particles anew over the ranks; `cost` is a particle's work relative to an empty cell's.
   void balance_load(BackgroundMesh<dim>& mesh, double cost);
 
-  /// Removes the particles for which `condition(position)` holds; returns their number over all ranks.
-  long long remove_if(const std::function<bool(const dealii::Point<dim>&)>& condition);
+  /// Removes the particles for which a condition on position and properties holds; returns their number over all ranks.
+  long long remove_if(const std::function<bool(const Accessor&)>& condition);
 
   long long n_global() const { return particles.n_global_particles(); }
   /// Particles that left the grid, or moved past the neighbours of their rank's cells in one step, and were dropped.

@@ -11,14 +11,14 @@
 namespace kedge::test
 {
 /// Soil of 4 (by 4) by 2 cells of 0.5 m with 2 particles per axis, its surface at 1 m. The box covers the middle of the
-/// surface from 0.4 to 1.6 m along each horizontal axis; corners of particles lie at multiples of 0.25 m.
+/// surface, from 0.4 to 1.6 m along each horizontal axis unless told; corners of particles lie at multiples of 0.25 m.
 template <int dim> struct PressedBlock
 {
   static constexpr double young = 1e7, spacing = 0.25;
   using Position = std::array<double, dim>;
 
-  /// `depth`: how far the lower face of the box lies below the surface, m.
-  PressedBlock(const double friction, const double depth)
+  /// `depth`: how far the lower face of the box lies below the surface, m. `half_length`: of the box, m.
+  PressedBlock(const double friction, const double depth, const double half_length = 0.6)
       : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(contact_parameters(friction), MPI_COMM_WORLD)
   {
     MaterialPointParameters parameters;
@@ -31,10 +31,10 @@ template <int dim> struct PressedBlock
     particles.balance_load(mesh, 20.);
     particles.load();
     // y = 0 is far from the ends of the plane's box
-    const double back = dim == 3 ? -0.6 : -50., front = dim == 3 ? 0.6 : 50.;
+    const double back = dim == 3 ? -half_length : -50., front = dim == 3 ? half_length : 50.;
     bodies.points.emplace_back();
     bodies.points[0].pose.position = {1., dim == 3 ? 1. : 0., 1. - depth};
-    bodies.surfaces.push_back({Surface(box({-0.6, back, 0.}, {0.6, front, 1.})), 0});
+    bodies.surfaces.push_back({Surface(box({-half_length, back, 0.}, {half_length, front, 1.})), 0});
   }
 
   static GridLayout<dim> layout()

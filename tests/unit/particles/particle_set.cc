@@ -293,7 +293,7 @@ TYPED_TEST(Particles, AreRemovedWhereAConditionHolds)
 {
   const long long before = this->particles.n_global();
   const long long removed =
-      this->particles.remove_if([](const dealii::Point<TypeParam::value>& x) { return x[0] < 1.; });
+      this->particles.remove_if([](const auto& particle) { return particle.get_location()[0] < 1.; });
   this->particles.load();
   EXPECT_EQ(removed, before / 4);
   EXPECT_EQ(this->particles.n_global(), before - removed);

@@ -1,0 +1,29 @@
+// Removal of the particles with which no step can be solved.
+#pragma once
+
+#include <kedge/particles/particle_set.h>
+
+namespace kedge
+{
+/// Particles removed over all ranks, by reason.
+struct HopelessParticles
+{
+  long long distorted = 0; ///< not finite, or volume or domain beyond what soil can do
+  long long isolated = 0;  ///< no other particle's domain near
+};
+
+/// Removes distorted and isolated particles.
+///
+/// Distorted: an entry that is not finite, a domain without extent, or det F outside [0.1, 10]. Soil without any voids
+/// has 1 / (1 + e0) of its volume, a quarter for a void ratio of 3, and a tenfold volume has no contacts left. Shear
+/// is no reason, however large: in soil that flows around a body F grows without bound, and the stress does not depend
+/// on F.
+///
+/// Isolated: no other sound particle's domain reaches into its cell or a cell across one of that cell's faces. Such a
+/// particle hangs on nodes of its own, without stiffness but its own. Domains must not reach beyond the cells next to
+/// those of their rank, which split particles never do.
+///
+/// Collective. Call before split_particles; call load() afterwards.
+template <int dim>
+HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh);
+} // namespace kedge

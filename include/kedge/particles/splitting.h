@@ -1,0 +1,30 @@
+// Splitting of the particles that are too wide for their cells.
+#pragma once
+
+#include <kedge/particles/particle_set.h>
+
+namespace kedge
+{
+/// A particle that became 2^dim.
+template <int dim> struct Split
+{
+  long long parent;
+  std::array<long long, 1u << dim> children; ///< by octant: bit d is set in the upper half along axis d
+};
+
+/// Splits every particle whose width, the geometric mean of its domain's edges, exceeds sqrt(2) * cell size /
+/// points_per_axis, again and again until all fit. The factor lies midway, in steps of halving, between a particle that
+/// fits and one that is twice as wide. Mass, momentum, volume and sum V0 tau are kept to round-off: a child has its
+/// share of the parent's mass, volume and domain, and a copy of everything else, so a material point keeps its F,
+/// stiffness, stress and layer.
+///
+/// The first child keeps the parent's number; the others are numbered from the next free number on, by the order of
+/// their parents' numbers, whichever ranks hold them. A child whose centre would lie outside the grid is moved just
+/// inside. Children end up on the rank that owns their cell, however far that is.
+///
+/// Returns the splits of the particles that this rank held, also of those children that other ranks had to split
+/// again; a parent precedes its children. Collective; one reduction where nothing is to split. Call load() afterwards.
+template <int dim>
+std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                                        unsigned int points_per_axis);
+} // namespace kedge

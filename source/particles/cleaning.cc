@@ -1,0 +1,135 @@
+#include "domain.h"
+#include <Eigen/LU>
+#include <algorithm>
+#include <deal.II/grid/grid_tools.h>
+#include <kedge/base/communication.h>
+#include <kedge/particles/cleaning.h>
+
+namespace kedge
+{
+namespace
+{
+constexpr double least_volume_ratio = 0.1, largest_volume_ratio = 10.;
+
+template <int dim> bool is_distorted(const typename ParticleSet<dim>::Accessor& particle)
+{
+  const double* data = particle.get_properties().data();
+  const auto is_finite = [](const double x) { return std::isfinite(x); };
+  if (!std::all_of(data, data + field::contact_gap, is_finite)) // the gap is NaN away from bodies
+    return true;
+  for (unsigned int d = 0; d < dim; ++d)
+    if (!(data[field::half_width + d] > 0.))
+      return true;
+  const double ratio =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data + field::deformation_gradient).determinant();
+  return !(ratio >= least_volume_ratio && ratio <= largest_volume_ratio);
+}
+
+/// Numbers of domains that reach into each owned and ghost leaf.
+template <int dim> class Crowding
+{
+public:
+  using Position = std::array<double, dim>;
+
+  Crowding(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh_)
+      : mesh(mesh_), table(mesh.leaves()), count(table.leaves.size(), 0)
+  {
+    for (const auto& particle : particles.handler())
+      for (const unsigned int leaf : leaves_of(particle))
+        ++count[leaf];
+    send_to_owners();
+    send_to_ghosts();
+  }
+
+  bool is_isolated(const typename ParticleSet<dim>::Accessor& particle) const
+  {
+    const std::vector<unsigned int> own = leaves_of(particle);
+    for (const unsigned int leaf : leaf_and_face_neighbours(mesh.leaf_number(particle.get_surrounding_cell())))
+      if (count[leaf] > std::count(own.begin(), own.end(), leaf))
+        return false;
+    return true;
+  }
+
+private:
+  std::vector<unsigned int> leaves_of(const typename ParticleSet<dim>::Accessor& particle) const
+  {
+    Position lower, upper;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double half = particle.get_properties()[field::half_width + d];
+      lower[d] = particle.get_location()[d] - half;
+      upper[d] = particle.get_location()[d] + half;
+    }
+    std::vector<unsigned int> found;
+    table.find_leaves(lower, upper, found);
+    return found;
+  }
+
+  std::vector<unsigned int> leaf_and_face_neighbours(const unsigned int number) const
+  {
+    const auto& leaf = table.leaves[number];
+    std::vector<unsigned int> found;
+    for (unsigned int axis = 0; axis < dim; ++axis)
+    {
+      Position lower, upper;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double out = (d == axis ? 0.25 : -0.25) * leaf.size; // 2:1: a neighbour is at least half as large
+        lower[d] = leaf.lower[d] - out;
+        upper[d] = leaf.lower[d] + leaf.size + out;
+      }
+      table.find_leaves(lower, upper, found);
+    }
+    return found;
+  }
+
+  void send_to_owners()
+  {
+    const MPI_Comm communicator = mesh.triangulation().get_communicator();
+    struct Parcel
+    {
+      Position centre; ///< of the leaf, m
+      long long count;
+    };
+    std::vector<std::vector<Parcel>> to_owner(size_of(communicator));
+    for (std::size_t i = 0; i < table.leaves.size(); ++i)
+    {
+      const auto& leaf = table.leaves[i];
+      if (leaf.owned || count[i] == 0)
+        continue;
+      Parcel parcel{leaf.lower, count[i]};
+      for (double& x : parcel.centre)
+        x += 0.5 * leaf.size;
+      to_owner[leaf.owner].push_back(parcel);
+    }
+    for (const auto& parcels : exchange_between_ranks(to_owner, communicator))
+      for (const Parcel& parcel : parcels)
+        count[table.find_leaf(parcel.centre)] += parcel.count;
+  }
+
+  void send_to_ghosts()
+  {
+    dealii::GridTools::exchange_cell_data_to_ghosts<long long, dealii::Triangulation<dim>>(
+        mesh.triangulation(), [this](const auto& cell) { return count[mesh.leaf_number(cell)]; },
+        [this](const auto& cell, const long long total) { count[mesh.leaf_number(cell)] = total; });
+  }
+
+  const BackgroundMesh<dim>& mesh;
+  const LeafTable<dim>& table;
+  std::vector<long long> count;
+};
+} // namespace
+
+template <int dim>
+HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh)
+{
+  HopelessParticles removed;
+  removed.distorted = particles.remove_if(is_distorted<dim>);
+  const Crowding<dim> crowding(particles, mesh);
+  removed.isolated = particles.remove_if([&](const auto& particle) { return crowding.is_isolated(particle); });
+  return removed;
+}
+
+template HopelessParticles remove_hopeless_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&);
+template HopelessParticles remove_hopeless_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&);
+} // namespace kedge

@@ -1,0 +1,244 @@
+#include "domain.h"
+#include <Eigen/LU>
+#include <algorithm>
+#include <kedge/base/communication.h>
+#include <kedge/materials/hencky.h>
+#include <kedge/particles/merging.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+constexpr double width_tolerance = 1.05;
+/// Share of a group's bounding box that its domains must fill.
+constexpr double least_filling = 0.6;
+
+template <int dim> using Particle = typename ParticleSet<dim>::Handler::particle_iterator;
+template <int dim> using Group = std::vector<Particle<dim>>;
+
+using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// V0 1/2 tau : eps, J.
+double elastic_energy(const double* data)
+{
+  const Eigen::Map<const SymmetricTensor> stress(data + field::stress), strain(data + field::elastic_strain);
+  return 0.5 * data[field::initial_volume] *
+         (stress.head<3>().dot(strain.head<3>()) + 2. * stress.tail<3>().dot(strain.tail<3>()));
+}
+
+template <int dim> double total_elastic_energy(const Group<dim>& group)
+{
+  double energy = 0.;
+  for (const auto& particle : group)
+    energy += elastic_energy(particle->get_properties().data());
+  return energy;
+}
+
+/// The smallest members of a group that are together no wider than `limit`, in an order that does not depend on ranks.
+template <int dim> Group<dim> select_smallest(Group<dim> group, const double limit)
+{
+  const auto volume = [](const Particle<dim>& particle)
+  { return domain_volume<dim>(particle->get_properties().data()); };
+  std::sort(group.begin(), group.end(),
+            [&](const auto& a, const auto& b)
+            { return std::make_pair(volume(a), a->get_id()) < std::make_pair(volume(b), b->get_id()); });
+  const double largest_sum = std::pow(limit, dim);
+  double sum = 0.;
+  const auto end = std::find_if(group.begin(), group.end(),
+                                [&](const auto& particle) { return (sum += volume(particle)) > largest_sum; });
+  group.erase(end, group.end());
+  return group;
+}
+
+/// Adds weight * the entries [first, first + count) of a property to those of a sum.
+void add(double* sum, const double* data, const unsigned int first, const unsigned int count, const double weight)
+{
+  for (unsigned int i = first; i < first + count; ++i)
+    sum[i] += weight * data[i];
+}
+
+struct MergedData
+{
+  std::array<double, field::count> data{};
+  std::array<double, 3> position{}; ///< m
+  bool sound = false;               ///< the domain is well filled and F can be scaled
+};
+
+/// The group's bounding box, scaled to the volume of its domains. False where that is too empty.
+template <int dim> bool join_domains(const Group<dim>& group, double* merged)
+{
+  double volume = 0., box = 1., initial_over_now[dim];
+  for (const auto& particle : group)
+    volume += domain_volume<dim>(particle->get_properties().data());
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    double lower = std::numeric_limits<double>::max(), upper = -lower, sum = 0., initial_sum = 0.;
+    for (const auto& particle : group)
+    {
+      const double *data = particle->get_properties().data(), x = particle->get_location()[d];
+      const double half = data[field::half_width + d];
+      lower = std::min(lower, x - half);
+      upper = std::max(upper, x + half);
+      sum += data[field::initial_volume] * half;
+      initial_sum += data[field::initial_volume] * data[field::initial_half_width + d];
+    }
+    merged[field::half_width + d] = 0.5 * (upper - lower);
+    initial_over_now[d] = initial_sum / sum;
+    box *= upper - lower;
+  }
+  const double scale = std::pow(volume / box, 1. / dim);
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    merged[field::half_width + d] *= scale;
+    merged[field::initial_half_width + d] = initial_over_now[d] * merged[field::half_width + d];
+  }
+  return volume >= least_filling * box;
+}
+
+/// Scales the mean F to the determinant that keeps the current volume; in plane strain within the plane. False where
+/// the group's F differ so much that their mean turns a volume inside out.
+template <int dim> bool scale_deformation(double* merged, const double volume_ratio)
+{
+  Eigen::Map<Matrix> F(merged + field::deformation_gradient);
+  const double determinant = F.determinant();
+  if (!(determinant > 0.) || !(volume_ratio > 0.))
+    return false;
+  F.template topLeftCorner<dim, dim>() *= std::pow(volume_ratio / determinant, 1. / dim);
+  return true;
+}
+
+template <int dim> MergedData join(const Group<dim>& group)
+{
+  MergedData result;
+  double* merged = result.data.data();
+  double current_volume = 0.;
+  for (const auto& particle : group)
+  {
+    const double* data = particle->get_properties().data();
+    const double mass = data[field::mass], volume = data[field::initial_volume];
+    for (unsigned int d = 0; d < dim; ++d)
+      result.position[d] += mass * particle->get_location()[d];
+    add(merged, data, field::initial_position, 3, mass);
+    add(merged, data, field::velocity, 3, mass);
+    add(merged, data, field::acceleration, 3, mass);
+    add(merged, data, field::deformation_gradient, 9, volume);
+    add(merged, data, field::stress, 6, volume);
+    add(merged, data, field::elastic_strain, 6, volume * data[field::young]);
+    add(merged, data, field::young, 1, volume);
+    add(merged, data, field::plastic_strain, 1, volume);
+    add(merged, data, field::initial_volume, 1, 1.);
+    add(merged, data, field::mass, 1, 1.);
+    current_volume += volume * Eigen::Map<const Matrix>(data + field::deformation_gradient).determinant();
+  }
+  const double* first = group.front()->get_properties().data();
+  merged[field::layer] = first[field::layer];
+  merged[field::contact_gap] = first[field::contact_gap];
+
+  const auto divide = [merged](const unsigned int offset, const unsigned int count, const double by)
+  {
+    for (unsigned int i = offset; i < offset + count; ++i)
+      merged[i] /= by;
+  };
+  const double mass = merged[field::mass], volume = merged[field::initial_volume];
+  for (double& x : result.position)
+    x /= mass;
+  for (const unsigned int offset : {field::initial_position, field::velocity, field::acceleration})
+    divide(offset, 3, mass);
+  divide(field::deformation_gradient, 9, volume);
+  divide(field::stress, 6, volume);
+  divide(field::elastic_strain, 6, merged[field::young]);
+  divide(field::young, 1, volume);
+  divide(field::plastic_strain, 1, volume);
+  const bool filled = join_domains<dim>(group, merged);
+  result.sound = scale_deformation<dim>(merged, current_volume / volume) && filled;
+  return result;
+}
+
+/// The particles of a cell that may be merged with each other, by box of the cell and layer.
+template <int dim>
+std::vector<Group<dim>> find_groups(ParticleSet<dim>& particles, const typename BackgroundMesh<dim>::Cell& cell,
+                                    const unsigned int points_per_axis,
+                                    const std::function<bool(const dealii::Point<dim>&)>& keep)
+{
+  std::map<std::array<unsigned int, dim + 1>, Group<dim>> groups;
+  const double box = cell->extent_in_direction(0) / points_per_axis;
+  const auto in_cell = particles.handler().particles_in_cell(cell);
+  for (auto particle = in_cell.begin(); particle != in_cell.end(); ++particle)
+  {
+    const double* data = particle->get_properties().data();
+    const dealii::Point<dim> x = particle->get_location();
+    if (data[field::contact_gap] < domain_width<dim>(data) || keep(x))
+      continue;
+    std::array<unsigned int, dim + 1> place;
+    for (unsigned int d = 0; d < dim; ++d)
+      place[d] = static_cast<unsigned int>(std::clamp((x[d] - cell->vertex(0)[d]) / box, 0., points_per_axis - 0.5));
+    place[dim] = static_cast<unsigned int>(data[field::layer]);
+    groups[place].push_back(particle);
+  }
+  std::vector<Group<dim>> result;
+  for (const auto& entry : groups)
+    if (Group<dim> group = select_smallest<dim>(entry.second, width_tolerance * box); group.size() > 1)
+      result.push_back(std::move(group));
+  return result;
+}
+
+/// Puts the merged particle in the place of the member with the smallest number; returns the other members.
+template <int dim>
+Group<dim> replace(const Group<dim>& group, const MergedData& merged, const BackgroundMesh<dim>& mesh,
+                   const typename BackgroundMesh<dim>::Cell& cell)
+{
+  Group<dim> others = group;
+  const auto first = std::min_element(others.begin(), others.end(),
+                                      [](const auto& a, const auto& b) { return a->get_id() < b->get_id(); });
+  Particle<dim> particle = *first;
+  others.erase(first);
+  dealii::Point<dim> x;
+  for (unsigned int d = 0; d < dim; ++d)
+    x[d] = merged.position[d];
+  particle->set_location(x);
+  particle->set_reference_location(mesh.mapping().transform_real_to_unit_cell(cell, x));
+  std::copy(merged.data.begin(), merged.data.end(), particle->get_properties().begin());
+  return others;
+}
+} // namespace
+
+template <int dim>
+MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                            const unsigned int points_per_axis,
+                            const std::function<bool(const dealii::Point<dim>&)>& keep, const double energy_tolerance)
+{
+  MergeResult result;
+  Group<dim> doomed;
+  const unsigned int needed =
+      dim == 3 ? points_per_axis * points_per_axis * points_per_axis : points_per_axis * points_per_axis;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+  {
+    if (!cell->is_locally_owned() || particles.handler().n_particles_in_cell(cell) <= needed)
+      continue;
+    for (const Group<dim>& group : find_groups<dim>(particles, cell, points_per_axis, keep))
+    {
+      const MergedData merged = join<dim>(group);
+      const double before = total_elastic_energy<dim>(group), lost = before - elastic_energy(merged.data.data());
+      if (!merged.sound || lost > energy_tolerance * before)
+        continue;
+      const Group<dim> others = replace<dim>(group, merged, mesh, cell);
+      doomed.insert(doomed.end(), others.begin(), others.end());
+      result.elastic_energy_lost += lost;
+      result.elastic_energy_merged += before;
+    }
+  }
+  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  result.removed = sum_over_ranks(static_cast<long long>(doomed.size()), communicator);
+  result.elastic_energy_lost = sum_over_ranks(result.elastic_energy_lost, communicator);
+  result.elastic_energy_merged = sum_over_ranks(result.elastic_energy_merged, communicator);
+  if (result.removed > 0)
+    particles.handler().remove_particles(doomed);
+  return result;
+}
+
+template MergeResult merge_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int,
+                                        const std::function<bool(const dealii::Point<2>&)>&, double);
+template MergeResult merge_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int,
+                                        const std::function<bool(const dealii::Point<3>&)>&, double);
+} // namespace kedge

@@ -1,0 +1,193 @@
+#include "domain.h"
+#include <Eigen/LU>
+#include <algorithm>
+#include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/particles/splitting.h>
+#include <limits>
+#include <numeric>
+
+namespace kedge
+{
+namespace
+{
+/// How far inside the grid a centre must lie, in base cells: more than the round-off by which cells find their points.
+constexpr double margin = 1e-9;
+
+/// A particle that is between cells.
+template <int dim> struct Piece
+{
+  std::array<double, dim> position; ///< m
+  long long id;
+  int origin; ///< rank that held the particle it was a part of
+  std::array<double, field::count> data;
+};
+
+template <int dim>
+std::array<Piece<dim>, 1u << dim>
+cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>& numbers, const GridLayout<dim>& grid)
+{
+  using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const Eigen::Matrix3d to_initial =
+      Eigen::Map<const Matrix>(parent.data.data() + field::deformation_gradient).inverse();
+  const double inset = margin * grid.base_size;
+  std::array<Piece<dim>, 1u << dim> children;
+  for (unsigned int octant = 0; octant < children.size(); ++octant)
+  {
+    Piece<dim>& child = children[octant];
+    child = parent;
+    child.id = numbers[octant];
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      child.data[field::half_width + d] *= 0.5;
+      child.data[field::initial_half_width + d] *= 0.5;
+      offset[d] = ((octant >> d) & 1u ? 1. : -1.) * child.data[field::half_width + d];
+      child.position[d] = std::clamp(parent.position[d] + offset[d], inset, grid.extent(d) - inset);
+    }
+    const Eigen::Vector3d initial_offset = to_initial * offset;
+    for (unsigned int d = 0; d < 3; ++d)
+      child.data[field::initial_position + d] += initial_offset[d];
+    child.data[field::initial_volume] /= children.size();
+    child.data[field::mass] /= children.size();
+  }
+  return children;
+}
+
+/// The splitting of all particles of all ranks, generation by generation.
+template <int dim> class Splitting
+{
+public:
+  Splitting(ParticleSet<dim>& particles_, const BackgroundMesh<dim>& mesh_, const unsigned int points_per_axis)
+      : particles(particles_.handler()),
+        mesh(mesh_),
+        communicator(mesh.triangulation().get_communicator()),
+        widest(std::sqrt(2.) / points_per_axis),
+        next_number(particles.get_next_free_particle_index())
+  {
+  }
+
+  std::vector<Split<dim>> run()
+  {
+    const auto wide = find_wide_particles();
+    if (!any_waiting())
+      return {};
+    particles.remove_particles(wide);
+    while (any_waiting())
+      split_generation();
+    for (const Piece<dim>& piece : fitting)
+      insert(piece);
+    particles.update_cached_numbers();
+    return std::move(splits);
+  }
+
+private:
+  using Handler = typename ParticleSet<dim>::Handler;
+  static constexpr unsigned int n_children = 1u << dim;
+
+  bool any_waiting() const { return sum_over_ranks(static_cast<long long>(waiting.size()), communicator) > 0; }
+
+  bool fits(const double* data, const double cell_size) const
+  {
+    return !(domain_width<dim>(data) > widest * cell_size);
+  }
+
+  /// Copies the particles that are too wide for their cells to `waiting`; returns where they are.
+  std::vector<typename Handler::particle_iterator> find_wide_particles()
+  {
+    std::vector<typename Handler::particle_iterator> wide;
+    for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      const auto in_cell = particles.particles_in_cell(cell);
+      for (auto particle = in_cell.begin(); particle != in_cell.end(); ++particle)
+      {
+        const double* data = particle->get_properties().data();
+        if (fits(data, cell->extent_in_direction(0)))
+          continue;
+        Piece<dim> piece;
+        for (unsigned int d = 0; d < dim; ++d)
+          piece.position[d] = particle->get_location()[d];
+        piece.id = particle->get_id();
+        piece.origin = rank_of(communicator);
+        std::copy_n(data, piece.data.size(), piece.data.begin());
+        waiting.push_back(piece);
+        wide.push_back(particle);
+      }
+    }
+    return wide;
+  }
+
+  void split_generation()
+  {
+    const std::vector<Piece<dim>> parents = std::move(waiting);
+    waiting.clear();
+    std::vector<long long> numbers;
+    for (const Piece<dim>& parent : parents)
+      numbers.push_back(parent.id);
+    numbers = gather_everywhere(numbers, communicator);
+    std::sort(numbers.begin(), numbers.end());
+
+    std::vector<Piece<dim>> strays;
+    std::vector<std::vector<Split<dim>>> by_origin(size_of(communicator));
+    for (const Piece<dim>& parent : parents)
+    {
+      Split<dim> split{parent.id, {{parent.id}}};
+      const long long place = std::lower_bound(numbers.begin(), numbers.end(), parent.id) - numbers.begin();
+      std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * place);
+      by_origin[parent.origin].push_back(split);
+      for (const Piece<dim>& child : cut_in_octants<dim>(parent, split.children, mesh.layout()))
+        if (!take_if_owned(child))
+          strays.push_back(child);
+    }
+    next_number += (n_children - 1) * numbers.size();
+    if (next_number > std::numeric_limits<dealii::types::particle_index>::max())
+      throw SolverError("splitting has used up the numbers of material points; choose a coarser mesh at the bodies");
+
+    for (const Piece<dim>& stray : gather_everywhere(strays, communicator))
+      take_if_owned(stray);
+    for (const auto& part : exchange_between_ranks(by_origin, communicator))
+      splits.insert(splits.end(), part.begin(), part.end());
+  }
+
+  bool take_if_owned(const Piece<dim>& piece)
+  {
+    const int leaf = mesh.leaves().find_leaf(piece.position);
+    if (leaf < 0 || !mesh.leaves().leaves[leaf].owned)
+      return false;
+    (fits(piece.data.data(), mesh.leaves().leaves[leaf].size) ? fitting : waiting).push_back(piece);
+    return true;
+  }
+
+  void insert(const Piece<dim>& piece)
+  {
+    const auto& leaf = mesh.leaves().leaves[mesh.leaves().find_leaf(piece.position)];
+    const typename BackgroundMesh<dim>::Cell cell(&mesh.triangulation(), leaf.tree_level, leaf.tree_index);
+    dealii::Point<dim> x;
+    for (unsigned int d = 0; d < dim; ++d)
+      x[d] = piece.position[d];
+    particles.insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), piece.id, cell,
+                              dealii::ArrayView<const double>(piece.data.data(), piece.data.size()));
+  }
+
+  Handler& particles;
+  const BackgroundMesh<dim>& mesh;
+  MPI_Comm communicator;
+  double widest; ///< width over cell size up to which a particle fits
+  long long next_number;
+  std::vector<Piece<dim>> waiting, fitting;
+  std::vector<Split<dim>> splits;
+};
+} // namespace
+
+template <int dim>
+std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                                        const unsigned int points_per_axis)
+{
+  return Splitting<dim>(particles, mesh, points_per_axis).run();
+}
+
+template std::vector<Split<2>> split_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
+template std::vector<Split<3>> split_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
+} // namespace kedge
