@@ -148,3 +148,22 @@ TYPED_TEST(Flags, CoarsenOnlyWhatNoFinerCellTouches)
     flagged += cell->is_locally_owned() && cell->coarsen_flag_set();
   EXPECT_EQ(sum_over_ranks(flagged, MPI_COMM_WORLD), n);
 }
+
+TYPED_TEST(Flags, LetOneChildSpeakForItsFamilyFromAnotherRank)
+{
+  // after a pass children of one cell may be on two ranks
+  ASSERT_EQ(flag_coarsening<TypeParam::value>(this->mesh, this->size(this->base), this->largest(this->infinity)),
+            Coarsening::flagged);
+  this->execute();
+  const auto& leaves = this->mesh.leaves().leaves;
+  std::vector<double> limit = this->largest(this->infinity);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    bool last = true;
+    for (const double x : leaves[i].lower)
+      last = last && std::lround(x / leaves[i].size) % 2 == 1;
+    if (last && leaves[i].owned)
+      limit[i] = leaves[i].size;
+  }
+  EXPECT_EQ(flag_coarsening<TypeParam::value>(this->mesh, this->size(this->base), limit), Coarsening::none);
+}
