@@ -9,8 +9,7 @@ namespace kedge
 {
 namespace
 {
-constexpr double across = 1e-3;         // of a leaf's size: where its neighbour is looked for
-constexpr double populated_fill = 1e-9; // of a leaf's volume
+constexpr double across = 1e-3; // of a leaf's size: where its neighbour is looked for
 
 /// The same on every rank: the lower corner in units of 1/1024 base cell.
 template <int dim> long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
@@ -88,12 +87,6 @@ template <int dim> double leaf_volume(const LeafTable<dim>& table, const unsigne
   return std::pow(table.leaves[leaf].size, dim);
 }
 
-template <int dim>
-bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
-{
-  return contents[leaf].volume > populated_fill * leaf_volume(table, leaf);
-}
-
 /// Leaves across a face (axis, upper or lower side): one, or 2^(dim-1) finer ones; none outside the grid.
 template <int dim>
 std::vector<unsigned int> find_neighbours(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int axis,
@@ -169,6 +162,13 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
 } // namespace
 
 template <int dim>
+bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
+{
+  constexpr double fill = 1e-9;
+  return contents[leaf].volume > fill * leaf_volume(table, leaf);
+}
+
+template <int dim>
 std::vector<LeafContent>
 find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                    const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
@@ -225,6 +225,8 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
   return faces;
 }
 
+template bool is_populated<2>(const LeafTable<2>&, const std::vector<LeafContent>&, unsigned int);
+template bool is_populated<3>(const LeafTable<3>&, const std::vector<LeafContent>&, unsigned int);
 template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
                                                         const std::vector<std::array<double, 2>>&,
                                                         const std::vector<double>&, double, MPI_Comm);

@@ -80,6 +80,20 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
   return box;
 }
 
+bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
+                          const double distance)
+{
+  return std::any_of(systems.surfaces.begin(), systems.surfaces.end(),
+                     [&](const WeldedSurface& welded)
+                     {
+                       const Pose& pose = systems.points[welded.point].pose;
+                       return welded.surface.comes_within({pose.to_body(0.5 * (lower + upper)),
+                                                           pose.rotation.conjugate().toRotationMatrix(),
+                                                           0.5 * (upper - lower)},
+                                                          distance);
+                     });
+}
+
 void place_on_surface(RigidSystems& systems, const unsigned int axis, const double height)
 {
   if (systems.surfaces.empty())

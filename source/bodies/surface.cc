@@ -1,6 +1,7 @@
 #include <kedge/bodies/surface.h>
 
 #include "surface_edges.h"
+#include "surface_tree.h"
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,59 +10,9 @@
 
 namespace kedge
 {
-namespace
-{
-/// Parts of a triangle: its face, the edges from corner i to i + 1, the corners.
-enum Part : unsigned int
-{
-  face,
-  edge_0,
-  edge_1,
-  edge_2,
-  vertex_0,
-  vertex_1,
-  vertex_2,
-  n_parts
-};
+using namespace surface_tree;
 
-/// What a closest point on one part of a triangle is told.
-struct PartData
-{
-  Eigen::Vector3d normal; ///< pseudo-normal, unit
-  Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
-  Feature feature = Feature::face;
-};
-
-/// A triangle as the distance computation needs it, in the order of the tree's leaves.
-struct Facet
-{
-  Eigen::Vector3d a, ab, ac;
-  unsigned int triangle;
-};
-
-/// A box of the tree. Its children are the next node and `other`; a leaf has facets instead.
-struct Node
-{
-  Eigen::Vector3d lower, upper;
-  unsigned int other = 0, first_facet = 0, n_facets = 0;
-
-  double squared_distance(const Eigen::Vector3d& x) const
-  {
-    return (lower - x).cwiseMax(x - upper).cwiseMax(0.).squaredNorm();
-  }
-};
-
-struct Nearest
-{
-  double squared_distance;
-  Eigen::Vector3d point;
-  unsigned int facet = -1;
-  Part part = face;
-};
-
-/// Closest point of a triangle by the Voronoi regions of its parts (Ericson 2005, Real-Time Collision
-/// Detection, 5.1.5).
-std::pair<Eigen::Vector3d, Part> project(const Facet& facet, const Eigen::Vector3d& x)
+std::pair<Eigen::Vector3d, Part> surface_tree::project(const Facet& facet, const Eigen::Vector3d& x)
 {
   const auto& [a, ab, ac, triangle] = facet;
   const Eigen::Vector3d ap = x - a;
@@ -88,26 +39,6 @@ std::pair<Eigen::Vector3d, Part> project(const Facet& facet, const Eigen::Vector
   const double sum = va + vb + vc;
   return {a + vb / sum * ab + vc / sum * ac, face};
 }
-} // namespace
-
-struct Surface::Tree
-{
-  explicit Tree(TriangleMesh mesh_);
-
-  Nearest nearest(const Eigen::Vector3d& x, double squared_limit) const;
-  ClosestPoint describe(const Eigen::Vector3d& x, const Nearest& nearest) const;
-
-  TriangleMesh mesh;
-  std::vector<Node> nodes;
-  std::vector<Facet> facets;
-  std::vector<std::array<PartData, n_parts>> parts; ///< per triangle
-  double tiny = 0.; ///< below this distance (m) the direction to an edge or vertex is round-off
-
-private:
-  static constexpr unsigned int leaf_size = 4;
-  void grow(std::vector<unsigned int>::iterator begin, std::vector<unsigned int>::iterator end);
-  void find_parts();
-};
 
 Surface::Tree::Tree(TriangleMesh mesh_) : mesh(std::move(mesh_))
 {

@@ -4,6 +4,7 @@
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/affine_constraints.h>
+#include <functional>
 #include <kedge/mesh/background_mesh.h>
 #include <p4est.h>
 #include <unordered_map>
@@ -139,16 +140,14 @@ BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>
   update();
 }
 
-template <int dim> void BackgroundMesh<dim>::set_cell_weight(std::function<double(const Cell&)> weight)
+template <int dim> void BackgroundMesh<dim>::repartition(const std::vector<double>& work)
 {
-  forest.signals.weight.disconnect_all_slots();
-  forest.signals.weight.connect(
-      [weight](const typename dealii::Triangulation<dim>::cell_iterator& cell,
-               const typename dealii::parallel::distributed::Triangulation<dim>::CellStatus) -> unsigned int
-      { return cell->is_active() ? static_cast<unsigned int>(10. * weight(Cell(cell))) : 10u; });
+  using CellStatus = typename dealii::parallel::distributed::Triangulation<dim>::CellStatus;
+  const auto weigh = [&](const typename dealii::Triangulation<dim>::cell_iterator& cell, CellStatus) -> unsigned int
+  { return work.empty() ? 1 : std::lround(10. * work[cell->active_cell_index()]); };
+  const boost::signals2::scoped_connection connection(forest.signals.weight.connect(weigh));
+  forest.repartition();
 }
-
-template <int dim> void BackgroundMesh<dim>::repartition() { forest.repartition(); }
 
 template <int dim> void BackgroundMesh<dim>::update()
 {

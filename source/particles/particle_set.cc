@@ -17,6 +17,29 @@ template <int dim> std::array<double, dim> to_array(const dealii::Point<dim>& po
   return x;
 }
 
+/// Number of nodes of the leaves under a box. The box counts a little smaller, for its face may be a leaf's.
+template <int dim>
+unsigned int count_nodes(const LeafTable<dim>& table, const dealii::Point<dim>& centre, const double* half_width,
+                         std::vector<unsigned int>& workspace)
+{
+  std::array<double, dim> lower, upper;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    lower[d] = centre[d] - (1. - 1e-6) * half_width[d];
+    upper[d] = centre[d] + (1. - 1e-6) * half_width[d];
+  }
+  workspace.clear();
+  table.find_leaves(lower, upper, workspace);
+  if (workspace.size() == 1)
+    return table.leaves[workspace[0]].n_nodes;
+  std::vector<unsigned int> nodes;
+  for (const unsigned int leaf : workspace)
+    nodes.insert(nodes.end(), table.nodes.begin() + table.leaves[leaf].node_begin,
+                 table.nodes.begin() + table.leaves[leaf].node_begin + table.leaves[leaf].n_nodes);
+  std::sort(nodes.begin(), nodes.end());
+  return std::unique(nodes.begin(), nodes.end()) - nodes.begin();
+}
+
 ParticleArrays allocate_arrays(const std::size_t n)
 {
   using Kokkos::view_alloc;
@@ -147,14 +170,44 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
+template <int dim> void ParticleSet<dim>::carry_through(const std::function<void()>& change)
+{
+  particles.prepare_for_coarsening_and_refinement();
+  change();
+  particles.unpack_after_coarsening_and_refinement();
+  mesh.update();
+}
+
 template <int dim> void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh_, const double cost)
 {
-  mesh_.set_cell_weight([this, cost](const typename BackgroundMesh<dim>::Cell& cell)
-                        { return 1. + (cell->is_locally_owned() ? cost * particles.n_particles_in_cell(cell) : 0.); });
-  particles.prepare_for_coarsening_and_refinement();
-  mesh_.repartition();
-  particles.unpack_after_coarsening_and_refinement();
-  mesh_.update();
+  const std::vector<double> work = cell_work(cost);
+  carry_through([&] { mesh_.repartition(work); });
+}
+
+template <int dim> double ParticleSet<dim>::imbalance(const double cost) const
+{
+  double mine = 0.;
+  const std::vector<double> work = cell_work(cost);
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    if (cell->is_locally_owned())
+      mine += work[cell->active_cell_index()];
+  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  return max_over_ranks(mine, communicator) * size_of(communicator) / sum_over_ranks(mine, communicator);
+}
+
+/// By active cell index, in units of an empty cell's.
+template <int dim> std::vector<double> ParticleSet<dim>::cell_work(const double cost) const
+{
+  std::vector<double> work(mesh.triangulation().n_active_cells(), 1.);
+  std::vector<unsigned int> workspace;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (const auto& particle : particles.particles_in_cell(cell))
+        work[cell->active_cell_index()] +=
+            cost / LeafTable<dim>::n_vertices *
+            count_nodes<dim>(mesh.leaves(), particle.get_location(),
+                             particle.get_properties().data() + field::half_width, workspace);
+  return work;
 }
 
 template <int dim> long long ParticleSet<dim>::remove_if(const std::function<bool(const Accessor&)>& condition)

@@ -31,6 +31,10 @@ find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<dou
                    const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
                    double poor_factor, MPI_Comm communicator);
 
+/// Whether the leaf holds more soil than round-off.
+template <int dim>
+bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, unsigned int leaf);
+
 /// Faces between a boundary leaf and a populated one, each on one rank, with J = factor * E * (h^3 / 3) * integral over
 /// the face of the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E is the mean
 /// of the two leaves' (Coombs 2023, doi 10.1002/nme.7332). The factor's unit is 1/m2, as in the published inputs.

@@ -41,6 +41,11 @@ void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>
 /// Axis-aligned bounds of all surfaces as they stand, m; empty (min > max) without surfaces.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);
 
+/// Whether any body's surface, as it stands, is at most `distance` (m) from the closed box between two corners in world
+/// axes; a surface that crosses the box is at distance zero. Exact but for round-off.
+bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
+                          double distance);
+
 /// Moves all bodies along `axis` by one amount so that their lowest surface point lies at `height` (m).
 void place_on_surface(RigidSystems& systems, unsigned int axis, double height);
 

@@ -83,6 +83,14 @@ struct ClosestPoint
   unsigned int triangle;   ///< one triangle that holds the point
 };
 
+/// A box of any orientation in the frame of a surface. A half-width may be zero, as across the plane of plane strain.
+struct OrientedBox
+{
+  Eigen::Vector3d centre;     ///< m
+  Eigen::Matrix3d axes;       ///< columns: unit vectors along its edges
+  Eigen::Vector3d half_width; ///< along the axes, m
+};
+
 /// Signed-distance queries against a closed mesh by a bounding-volume tree; the tree is built once. Queries are const
 /// and may run in any number of threads. Sign by angle-weighted pseudo-normals (Baerentzen & Aanaes 2005,
 /// doi 10.1109/TVCG.2005.49).
@@ -104,6 +112,9 @@ public:
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance) const;
   /// True only where gap > distance for certain, by the bounding box alone. False does not mean near.
   bool surely_farther_than(const Eigen::Vector3d& x, double distance) const;
+  /// Whether the distance from the surface (not from what it encloses) to the closed box is at most `distance`, m;
+  /// exact but for round-off. A surface that crosses the box, or lies in it, is at distance zero.
+  bool comes_within(const OrientedBox& box, double distance) const;
 
   /// Smallest radius (m) to which a convex edge is rounded. The angle a between the face normals at an edge is turned
   /// over the half widths d1, d2 of the two faces: r = (d1 + d2) / (2 sin(a/2)), where a face more than three times as

@@ -4,7 +4,6 @@
 #include <deal.II/distributed/tria.h>
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/mapping_cartesian.h>
-#include <functional>
 #include <kedge/mesh/grid_layout.h>
 #include <kedge/mesh/leaf_table.h>
 
@@ -22,11 +21,9 @@ public:
   const dealii::parallel::distributed::Triangulation<dim>& triangulation() const { return forest; }
   const dealii::Mapping<dim>& mapping() const { return cartesian; }
 
-  /// Weight of a cell for the partition, in units in which an empty cell weighs 1; used by the next repartition().
-  void set_cell_weight(std::function<double(const Cell&)> weight);
-
-  /// Spreads the cells anew over the ranks. Particles must have been packed before (ParticleSet does so).
-  void repartition();
+  /// Spreads the cells anew over the ranks, by their work (by active cell index, an empty cell's is 1) or, without it,
+  /// evenly; the children of a cell come to one rank. Particles must have been packed before (ParticleSet does so).
+  void repartition(const std::vector<double>& work = {});
 
   /// Numbers the nodes and rebuilds the leaf table; call after every change of the forest. Collective.
   void update();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deal.II/particles/particle_handler.h>
+#include <functional>
 #include <kedge/mesh/background_mesh.h>
 #include <kedge/particles/arrays.h>
 #include <kedge/particles/fields.h>
@@ -38,8 +39,15 @@ public:
   /// Makes the trial state of a converged step the committed one and re-sorts the particles into cells and ranks.
   void commit(const ParticleIncrements& increments, DomainUpdate domain_update);
 
-  /// Spreads cells with their particles anew over the ranks; `cost` is a particle's work relative to an empty cell's.
+  /// Carries the particles through a change of the forest's cells and updates the mesh. Call load() afterwards.
+  void carry_through(const std::function<void()>& change);
+
+  /// Spreads cells with their particles anew over the ranks. `cost` is the work of a particle that sees the nodes of
+  /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see. Call load()
+  /// afterwards.
   void balance_load(BackgroundMesh<dim>& mesh, double cost);
+  /// Work of the busiest rank over the mean, at least 1. Collective.
+  double imbalance(double cost) const;
 
   /// Removes the particles for which a condition on position and properties holds; returns their number over all ranks.
   long long remove_if(const std::function<bool(const Accessor&)>& condition);
@@ -49,6 +57,8 @@ public:
   long long n_lost() const { return lost; }
 
 private:
+  std::vector<double> cell_work(double cost) const;
+
   BackgroundMesh<dim>& mesh;
   Handler particles;
   ParticleArrays mirror;

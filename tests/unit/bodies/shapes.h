@@ -48,4 +48,27 @@ inline TriangleMesh angle_section()
 {
   return extrude_outline({{0., 0.}, {2., 0.}, {2., 1.}, {1., 1.}, {1., 2.}, {0., 2.}}, "outline");
 }
+
+/// Whether anything is left of a polygon that is clipped by the six faces of a box (Sutherland & Hodgman 1974).
+inline bool crosses_by_clipping(std::vector<Eigen::Vector3d> polygon, const OrientedBox& box)
+{
+  for (int d = 0; d < 3; ++d)
+    for (const double side : {-1., 1.})
+    {
+      const Eigen::Vector3d normal = side * box.axes.col(d);
+      const auto height = [&](const Eigen::Vector3d& x) { return normal.dot(x - box.centre) - box.half_width[d]; };
+      std::vector<Eigen::Vector3d> rest;
+      for (std::size_t i = 0; i < polygon.size(); ++i)
+      {
+        const Eigen::Vector3d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        const double ha = height(a), hb = height(b);
+        if (ha <= 0.)
+          rest.push_back(a);
+        if (ha * hb < 0.)
+          rest.push_back(a + ha / (ha - hb) * (b - a));
+      }
+      polygon = rest;
+    }
+  return !polygon.empty();
+}
 } // namespace kedge::test

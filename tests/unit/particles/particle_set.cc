@@ -244,6 +244,78 @@ TYPED_TEST(Particles, KeepTheirMassWhenTheyChangeRanks)
   EXPECT_EQ(this->all_ids(), ids);
 }
 
+TYPED_TEST(Particles, KeepTheirDataWhenCellsAreRefinedAndCoarsened)
+{
+  std::map<long long, std::vector<double>> before;
+  const auto collect = [&](std::map<long long, std::vector<double>>& data)
+  {
+    for (const auto& particle : this->particles.handler())
+    {
+      const auto& properties = particle.get_properties();
+      data[particle.get_id()].assign(properties.begin(), properties.end());
+      data[particle.get_id()].pop_back(); // the gap to bodies is NaN
+    }
+  };
+  collect(before);
+  auto& forest = this->mesh.triangulation();
+  for (const bool refine : {true, false})
+  {
+    for (const auto& cell : forest.active_cell_iterators())
+      if (cell->is_locally_owned() && refine && cell->center()[0] < 2.)
+        cell->set_refine_flag();
+      else if (cell->is_locally_owned() && !refine && cell->level() > 0 && cell->center()[1] < 1.)
+        cell->set_coarsen_flag();
+    this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
+    this->particles.load();
+    std::map<long long, std::vector<double>> after;
+    collect(after);
+    EXPECT_EQ(after, before); // no repartition: they stay on their ranks
+    for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+      ASSERT_EQ(int(this->particles.leaves()[p]), this->mesh.leaves().find_leaf(this->particles.positions()[p]));
+  }
+}
+
+TYPED_TEST(Particles, AreBalancedAfterRefinementInACorner)
+{
+  constexpr double cost = 20.;
+  this->particles.remove_if([](const dealii::Point<TypeParam::value>& x) { return x[0] > 2.; });
+  auto& forest = this->mesh.triangulation();
+  for (unsigned int pass = 0; pass < 2; ++pass)
+  {
+    for (const auto& cell : forest.active_cell_iterators())
+      if (cell->is_locally_owned() && cell->center().norm() < 1.)
+        cell->set_refine_flag();
+    this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
+  }
+  const double before = this->particles.imbalance(cost);
+  this->particles.balance_load(this->mesh, cost);
+  if (size_of(MPI_COMM_WORLD) == 1)
+  {
+    EXPECT_EQ(before, 1.);
+  }
+  else
+  {
+    EXPECT_GT(before, 1.3);
+    EXPECT_LT(this->particles.imbalance(cost), 1.2);
+  }
+}
+
+TYPED_TEST(Particles, CostMoreWhereTheySeeMoreNodes)
+{
+  if (size_of(MPI_COMM_WORLD) == 1)
+    GTEST_SKIP() << "one rank is always balanced";
+  // twice finer, each reaches into 2^dim cells; by their number alone the imbalance would be 1.23 at most
+  for (unsigned int pass = 0; pass < 2; ++pass)
+  {
+    auto& forest = this->mesh.triangulation();
+    for (const auto& cell : forest.active_cell_iterators())
+      if (cell->is_locally_owned() && rank_of(MPI_COMM_WORLD) == 0)
+        cell->set_refine_flag();
+    this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
+  }
+  EXPECT_GT(this->particles.imbalance(20.), 1.35);
+}
+
 TYPED_TEST(Particles, CommitTheTrialState)
 {
   const ParticleArrays& arrays = this->particles.arrays();

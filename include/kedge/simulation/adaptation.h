@@ -1,0 +1,28 @@
+// The mesh follows the bodies.
+#pragma once
+
+#include <functional>
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/mesh/parameters.h>
+#include <kedge/particles/particle_set.h>
+
+namespace kedge
+{
+/// What the mesh of a stage follows.
+struct AdaptationTarget
+{
+  const RigidSystems& bodies;
+  const Adaptivity& adaptivity;
+  unsigned int points_per_axis; ///< of a base cell: a particle needs cells no larger than this many times its width
+  double particle_cost;         ///< as for ParticleSet::balance_load
+};
+
+/// Refines and coarsens the mesh until its cells have the sizes that the stage asks for at the bodies' surfaces and in
+/// the region around them. Cells without soil are refined only where 2:1 asks for it; no cell coarsens while a particle
+/// in it needs it or while the surfaces ask its parent to be finer. After every pass `split_particles` is called, with
+/// the arrays of the particles out of date, and the load is spread anew where that pays. Particles have to be loaded
+/// and are so afterwards. Returns whether anything changed, be it the partition only. Collective.
+template <int dim>
+bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const AdaptationTarget& target,
+                const std::function<void()>& split_particles);
+} // namespace kedge

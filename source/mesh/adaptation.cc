@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <cmath>
+#include <deal.II/grid/grid_tools.h>
+#include <kedge/base/communication.h>
+#include <kedge/mesh/adaptation.h>
+
+namespace kedge
+{
+namespace
+{
+constexpr double slack = 1.01;  // sizes that differ by less are of one level
+constexpr double across = 1e-3; // of a leaf's size: where its neighbours are looked for
+
+template <int dim> using Leaf = typename LeafTable<dim>::Leaf;
+
+template <int dim> typename BackgroundMesh<dim>::Cell cell_of(BackgroundMesh<dim>& mesh, const Leaf<dim>& leaf)
+{
+  return {&mesh.triangulation(), leaf.tree_level, leaf.tree_index};
+}
+
+bool any_rank(const bool mine, const MPI_Comm communicator) { return max_over_ranks(mine, communicator) > 0.; }
+
+/// Gives ghost leaves the value of their owner.
+template <int dim> void update_ghosts(const BackgroundMesh<dim>& mesh, std::vector<double>& of_leaf)
+{
+  if (size_of(mesh.triangulation().get_communicator()) > 1)
+    dealii::GridTools::exchange_cell_data_to_ghosts<double, dealii::Triangulation<dim>>(
+        mesh.triangulation(), [&](const auto& cell) { return of_leaf[mesh.leaf_number(cell)]; },
+        [&](const auto& cell, const double value) { of_leaf[mesh.leaf_number(cell)] = value; });
+}
+
+/// Lower corner of the leaf's parent.
+template <int dim> std::array<double, dim> parent_corner(const Leaf<dim>& leaf)
+{
+  std::array<double, dim> corner;
+  for (unsigned int d = 0; d < dim; ++d)
+    corner[d] = 2. * leaf.size * std::floor(0.5 * leaf.lower[d] / leaf.size + 0.25);
+  return corner;
+}
+
+/// Whether the leaf is its parent's first child and the leaves after it are the others, which their order puts there.
+template <int dim> bool begins_family(const std::vector<Leaf<dim>>& leaves, const std::size_t first)
+{
+  constexpr unsigned int n = LeafTable<dim>::n_vertices;
+  if (leaves[first].tree_level == 0 || first + n > leaves.size())
+    return false;
+  const std::array<double, dim> corner = parent_corner<dim>(leaves[first]);
+  for (unsigned int child = 0; child < n; ++child)
+  {
+    const Leaf<dim>& leaf = leaves[first + child];
+    if (leaf.tree_level != leaves[first].tree_level)
+      return false;
+    for (unsigned int d = 0; d < dim; ++d)
+      if (std::abs(leaf.lower[d] - corner[d] - ((child >> d) & 1u ? leaf.size : 0.)) > across * leaf.size)
+        return false;
+  }
+  return true;
+}
+
+/// Whether a finer leaf touches the family that begins with this leaf, be it in a corner only.
+template <int dim> bool touches_finer_leaf(const LeafTable<dim>& table, const Leaf<dim>& first)
+{
+  std::array<double, dim> lower, upper;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    lower[d] = first.lower[d] - across * first.size;
+    upper[d] = first.lower[d] + (2. + across) * first.size;
+  }
+  std::vector<unsigned int> touching;
+  table.find_leaves(lower, upper, touching);
+  return std::any_of(touching.begin(), touching.end(),
+                     [&](const unsigned int leaf) { return table.leaves[leaf].tree_level > first.tree_level; });
+}
+} // namespace
+
+template <int dim>
+bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted,
+                     const std::vector<unsigned char>& holds_soil)
+{
+  const auto& leaves = mesh.leaves().leaves;
+  bool flagged = false;
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    if (leaves[i].owned && holds_soil[i] && leaves[i].size > slack * wanted(leaves[i].lower, leaves[i].size))
+    {
+      cell_of<dim>(mesh, leaves[i])->set_refine_flag();
+      flagged = true;
+    }
+  return any_rank(flagged, mesh.triangulation().get_communicator());
+}
+
+template <int dim>
+Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, const std::vector<double>& largest)
+{
+  constexpr unsigned int n = LeafTable<dim>::n_vertices;
+  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  const auto& leaves = mesh.leaves().leaves;
+  const auto allows = [&](const std::vector<double>& limit, const std::size_t i)
+  { return leaves[i].tree_level > 0 && 2. * leaves[i].size <= slack * limit[i]; };
+
+  bool any = false;
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+    any = any || (leaves[i].owned && allows(largest, i));
+  if (!any_rank(any, communicator))
+    return Coarsening::none;
+
+  std::vector<double> limit = largest;
+  update_ghosts<dim>(mesh, limit);
+  bool flagged = false, split = false;
+  for (std::size_t first = 0; first < leaves.size(); ++first)
+  {
+    if (!begins_family<dim>(leaves, first))
+      continue;
+    unsigned int n_owned = 0, n_allowing = 0;
+    for (std::size_t i = first; i < first + n; ++i)
+    {
+      n_owned += leaves[i].owned;
+      n_allowing += allows(limit, i);
+    }
+    const double parent = 2. * leaves[first].size;
+    if (n_owned == 0 || n_allowing < n || touches_finer_leaf<dim>(mesh.leaves(), leaves[first]) ||
+        parent > slack * wanted(leaves[first].lower, parent))
+      continue;
+    if (n_owned < n)
+    {
+      split = true;
+      continue;
+    }
+    flagged = true;
+    for (std::size_t i = first; i < first + n; ++i)
+      cell_of<dim>(mesh, leaves[i])->set_coarsen_flag();
+  }
+  if (any_rank(flagged, communicator))
+    return Coarsening::flagged;
+  return any_rank(split, communicator) ? Coarsening::split_families : Coarsening::none;
+}
+
+template bool flag_refinement<2>(BackgroundMesh<2>&, const WantedSize<2>&, const std::vector<unsigned char>&);
+template bool flag_refinement<3>(BackgroundMesh<3>&, const WantedSize<3>&, const std::vector<unsigned char>&);
+template Coarsening flag_coarsening<2>(BackgroundMesh<2>&, const WantedSize<2>&, const std::vector<double>&);
+template Coarsening flag_coarsening<3>(BackgroundMesh<3>&, const WantedSize<3>&, const std::vector<double>&);
+} // namespace kedge

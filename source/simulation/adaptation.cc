@@ -1,0 +1,110 @@
+#include <cmath>
+#include <kedge/basis/ghost_faces.h>
+#include <kedge/mesh/adaptation.h>
+#include <kedge/simulation/adaptation.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+/// Work of the busiest rank over the mean above which a repartition pays.
+constexpr double worst_imbalance = 1.1;
+
+/// A surface in a cell's face counts as crossing the cells on both sides: a body that rests on the soil is such a one.
+constexpr double touching = 1e-9; // of the cell's edge
+
+template <int dim>
+double wanted_size(const AdaptationTarget& target, const double base_size, const std::array<double, dim>& corner,
+                   const double size)
+{
+  const Adaptivity& adaptivity = target.adaptivity;
+  if (adaptivity.type != AdaptivityType::rigid_body_surface)
+    return base_size;
+  // plane strain is in the plane y = 0
+  const Eigen::Vector3d lower(corner[0], dim == 3 ? corner[1] : 0., corner[dim - 1]);
+  const Eigen::Vector3d upper = lower + size * Eigen::Vector3d(1., dim == 3 ? 1. : 0., 1.);
+  if (surface_comes_within(target.bodies, lower, upper, touching * size))
+    return adaptivity.element_size;
+  if (adaptivity.region > 0. && surface_comes_within(target.bodies, lower, upper, adaptivity.region))
+    return adaptivity.element_size_in_region;
+  return base_size;
+}
+
+/// By leaf: whether any rank's particles reach into it.
+template <int dim>
+std::vector<unsigned char> find_soil(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
+{
+  const std::vector<double> no_stiffness(particles.positions().size(), 0.);
+  const std::vector<LeafContent> contents =
+      find_leaf_contents<dim>(mesh.leaves(), particles.positions(), particles.half_widths(), no_stiffness, 0.,
+                              mesh.triangulation().get_communicator());
+  std::vector<unsigned char> holds_soil(contents.size());
+  for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
+    holds_soil[leaf] = is_populated<dim>(mesh.leaves(), contents, leaf);
+  return holds_soil;
+}
+
+/// By leaf: the largest edge that its particles allow. The mean width of a particle may grow by half a level, for
+/// domains follow the deformation.
+template <int dim>
+std::vector<double> find_largest_sizes(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles,
+                                       const unsigned int points_per_axis)
+{
+  std::vector<double> largest(mesh.leaves().leaves.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t p = 0; p < particles.positions().size(); ++p)
+  {
+    double volume = 1.;
+    for (const double half : particles.half_widths()[p])
+      volume *= 2. * half;
+    double& allowed = largest[particles.leaves()[p]];
+    allowed = std::min(allowed, std::sqrt(2.) * points_per_axis * std::pow(volume, 1. / dim));
+  }
+  return largest;
+}
+} // namespace
+
+template <int dim>
+bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const AdaptationTarget& target,
+                const std::function<void()>& split_particles)
+{
+  const WantedSize<dim> wanted = [&](const std::array<double, dim>& lower, const double size)
+  { return wanted_size<dim>(target, mesh.layout().base_size, lower, size); };
+  const auto change = [&]
+  {
+    particles.carry_through([&] { mesh.triangulation().execute_coarsening_and_refinement(); });
+    split_particles();
+    if (particles.imbalance(target.particle_cost) > worst_imbalance)
+      particles.balance_load(mesh, target.particle_cost);
+    particles.load();
+  };
+
+  bool changed = false;
+  const bool refines = target.adaptivity.type == AdaptivityType::rigid_body_surface;
+  while (refines && flag_refinement<dim>(mesh, wanted, find_soil(mesh, particles)))
+  {
+    change();
+    changed = true;
+  }
+  for (bool gathered = false;; changed = true)
+    switch (flag_coarsening<dim>(mesh, wanted, find_largest_sizes(mesh, particles, target.points_per_axis)))
+    {
+      case Coarsening::none:
+        return changed;
+      case Coarsening::flagged:
+        change();
+        gathered = false;
+        break;
+      case Coarsening::split_families:
+        if (gathered)
+          return changed;
+        particles.balance_load(mesh, target.particle_cost);
+        particles.load();
+        gathered = true;
+        break;
+    }
+}
+
+template bool adapt_mesh<2>(BackgroundMesh<2>&, ParticleSet<2>&, const AdaptationTarget&, const std::function<void()>&);
+template bool adapt_mesh<3>(BackgroundMesh<3>&, ParticleSet<3>&, const AdaptationTarget&, const std::function<void()>&);
+} // namespace kedge
