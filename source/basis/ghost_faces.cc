@@ -9,8 +9,7 @@ namespace kedge
 {
 namespace
 {
-constexpr double across = 1e-3;         // of a leaf's size: where its neighbour is looked for
-constexpr double populated_fill = 1e-9; // of a leaf's volume
+constexpr double across = 1e-3; // of a leaf's size: where its neighbour is looked for
 
 /// The same on every rank: the lower corner in units of 1/1024 base cell.
 template <int dim> long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
@@ -89,11 +88,9 @@ template <int dim> double leaf_volume(const LeafTable<dim>& table, const unsigne
   return std::pow(table.leaves[leaf].size, dim);
 }
 
-template <int dim>
-bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
-{
-  return contents[leaf].volume > populated_fill * leaf_volume(table, leaf);
-}
+/// Whether the basis sees the leaf: BoxAverage drops slivers, and a threshold here would leave nodes of small cuts
+/// alone.
+bool is_populated(const LeafContent& content) { return content.volume > 0.; }
 
 /// Leaves across a face (axis, upper or lower side): one, or 2^(dim-1) finer ones; none outside the grid.
 template <int dim>
@@ -124,7 +121,7 @@ bool is_boundary(const LeafTable<dim>& table, const std::vector<LeafContent>& co
   for (unsigned int axis = 0; axis < dim; ++axis)
     for (const bool upper : {false, true})
       for (const unsigned int neighbour : find_neighbours(table, leaf, axis, upper))
-        if (!is_populated(table, contents, neighbour))
+        if (!is_populated(contents[neighbour]))
           return true;
   return false;
 }
@@ -193,7 +190,7 @@ find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<dou
   exchange.add_to_owners(contents);
   exchange.update_ghosts(contents);
   for (unsigned int leaf = 0; leaf < table.leaves.size(); ++leaf)
-    if (table.leaves[leaf].owned && is_populated(table, contents, leaf))
+    if (table.leaves[leaf].owned && is_populated(contents[leaf]))
       contents[leaf].boundary = is_boundary(table, contents, leaf, poor_factor);
   exchange.update_ghosts(contents);
   return contents;
@@ -206,7 +203,7 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
   HostGhostFaces faces;
   for (unsigned int leaf = 0; leaf < table.leaves.size(); ++leaf)
   {
-    if (!table.leaves[leaf].owned || !is_populated(table, contents, leaf))
+    if (!table.leaves[leaf].owned || !is_populated(contents[leaf]))
       continue;
     for (unsigned int axis = 0; axis < dim; ++axis)
       for (const bool upper : {false, true})
@@ -217,7 +214,7 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
         const unsigned int other = neighbours[0];
         const double size = table.leaves[leaf].size, other_size = table.leaves[other].size;
         const bool mine = other_size > 1.5 * size || (other_size > 0.75 * size && upper);
-        if (!mine || !is_populated(table, contents, other) || contents[leaf].boundary + contents[other].boundary == 0.)
+        if (!mine || !is_populated(contents[other]) || contents[leaf].boundary + contents[other].boundary == 0.)
           continue;
         add_face(table, leaf, other, axis, upper, faces);
         const LeafContent &here = contents[leaf], &there = contents[other];

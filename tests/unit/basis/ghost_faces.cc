@@ -210,15 +210,16 @@ public:
     return make_brick<dim>(cells, size);
   }
 
+  static bool is_middle(const Leaf<dim>& leaf)
+  {
+    return std::all_of(leaf.lower.begin(), leaf.lower.end(),
+                       [](const double x) { return std::abs(x - 2. * size) < hair; });
+  }
+
   /// Number of faces if the cell in the middle differs from all others, which are full.
   long long count_faces(const Fill middle) const
   {
-    const auto fill = [middle](const Leaf<dim>& leaf)
-    {
-      const bool is_middle = std::all_of(leaf.lower.begin(), leaf.lower.end(),
-                                         [](const double x) { return std::abs(x - 2. * size) < hair; });
-      return is_middle ? middle : Fill::full;
-    };
+    const auto fill = [middle](const Leaf<dim>& leaf) { return is_middle(leaf) ? middle : Fill::full; };
     return sum_over_ranks(static_cast<long long>(find_faces<dim>(mesh.leaves(), fill).stiffness.size()),
                           MPI_COMM_WORLD);
   }
@@ -248,6 +249,19 @@ TYPED_TEST(GhostFacesOnRegularCells, AreThoseOfTheNeighboursOfAnEmptyCellExceptT
 {
   constexpr int n_neighbours = 2 * TypeParam::value;
   EXPECT_EQ(this->count_faces(Fill::empty), n_neighbours * (n_neighbours - 1));
+}
+
+TYPED_TEST(GhostFacesOnRegularCells, ReachACellThatABoxHardlyTouches)
+{
+  // 1e-10 of the box, ten times what the basis takes for round-off, pokes out of the middle cell
+  constexpr int dim = TypeParam::value;
+  Soil<dim> soil = make_soil<dim>(this->mesh.leaves(), [this](const Leaf<dim>& leaf)
+                                  { return this->is_middle(leaf) ? Fill::full : Fill::empty; });
+  for (std::size_t p = 0; p < soil.centre.size(); ++p)
+    soil.centre[p][0] += 0.5 * this->size - soil.half_width[p][0] * (1. - 2e-10);
+  const HostGhostFaces faces =
+      find_ghost_faces<dim>(this->mesh.leaves(), find_contents(this->mesh.leaves(), soil, poor_factor), factors);
+  EXPECT_EQ(sum_over_ranks(static_cast<long long>(faces.stiffness.size()), MPI_COMM_WORLD), 1);
 }
 
 TYPED_TEST(GhostFacesOnRegularCells, MeasureAKink)
