@@ -135,15 +135,6 @@ TYPED_TEST(GhostFacesOfRandomSoil, LeaveLinearFieldsAlone)
             1e-12);
 }
 
-TYPED_TEST(GhostFacesOfRandomSoil, NameNoHangingNodes)
-{
-  constexpr int dim = TypeParam::value;
-  const Reference<dim> reference;
-  const std::vector<unsigned char> hangs = find_hanging_nodes(this->table(), reference.table());
-  EXPECT_TRUE(std::none_of(this->faces.nodes.begin(), this->faces.nodes.end(),
-                           [&](const unsigned int node) { return hangs[node]; }));
-}
-
 TYPED_TEST(GhostFacesOfRandomSoil, CountTheSoilOfAllRanks)
 {
   // boxes of about half a cell at random places: some reach into the neighbours, of other ranks too

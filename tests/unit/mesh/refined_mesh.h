@@ -80,25 +80,6 @@ template <int dim> struct RefinedMesh
   BackgroundMesh<dim> mesh;
 };
 
-/// Marks the nodes of a table that hang: they lie in the closure of one of `all` leaves without being its corner.
-template <int dim> std::vector<unsigned char> find_hanging_nodes(const LeafTable<dim>& table, const LeafTable<dim>& all)
-{
-  std::vector<unsigned char> hangs(table.node_position.size(), 0);
-  for (std::size_t node = 0; node < hangs.size(); ++node)
-    for (const auto& leaf : all.leaves)
-    {
-      bool touches = true, corner = true;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double offset = (table.node_position[node][d] - leaf.lower[d]) / leaf.size;
-        touches = touches && offset > -1e-9 && offset < 1. + 1e-9;
-        corner = corner && (std::abs(offset) < 1e-9 || std::abs(offset - 1.) < 1e-9);
-      }
-      hangs[node] |= touches && !corner;
-    }
-  return hangs;
-}
-
 /// Uniform random numbers that differ from rank to rank.
 class RankRandom
 {
