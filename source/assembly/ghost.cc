@@ -4,51 +4,54 @@
 namespace kedge
 {
 template <int dim>
-void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force)
+void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
+                     const View<double*>& force)
 {
   Kokkos::parallel_for(
       "ghost force", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const unsigned int first = faces.lists.begin(f), n = faces.lists.begin(f + 1) - first;
+        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
         const double* J = &faces.value(faces.value_begin(f));
         for (unsigned int a = 0; a < n; ++a)
           for (int c = 0; c < dim; ++c)
           {
             double sum = 0.;
             for (unsigned int b = 0; b < n; ++b)
-              sum += J[a * n + b] * increment(static_cast<std::size_t>(dim) * faces.lists.nodes(first + b) + c);
-            add_to(force(static_cast<std::size_t>(dim) * faces.lists.nodes(first + a) + c), sum);
+              sum += J[a * n + b] * nodal(static_cast<std::size_t>(dim) * faces.nodes(first + b) + c);
+            add_to(force(static_cast<std::size_t>(dim) * faces.nodes(first + a) + c), weight(f) * sum);
           }
       });
 }
 
-template <int dim> void add_ghost_tangent(const GhostFaces& faces, const NodeGraph& graph, const View<double*>& values)
+template <int dim>
+void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, const NodeGraph& graph,
+                      const View<double*>& values)
 {
   const auto row_begin = graph.row_begin;
   const auto column = graph.column;
   Kokkos::parallel_for(
-      "ghost tangent", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const unsigned int first = faces.lists.begin(f), n = faces.lists.begin(f + 1) - first;
+      "ghost matrix", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
         const double* J = &faces.value(faces.value_begin(f));
         for (unsigned int a = 0; a < n; ++a)
         {
-          const unsigned int node = faces.lists.nodes(first + a);
+          const unsigned int node = faces.nodes(first + a);
           const std::size_t begin = row_begin(node);
           const unsigned int length = row_begin(node + 1) - begin;
           double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
           for (unsigned int b = 0; b < n; ++b)
           {
             unsigned int position = 0;
-            while (column(begin + position) != faces.lists.nodes(first + b))
+            while (column(begin + position) != faces.nodes(first + b))
               ++position;
             for (int c = 0; c < dim; ++c)
-              add_to(row[dim * (c * length + position) + c], J[a * n + b]);
+              add_to(row[dim * (c * length + position) + c], weight(f) * J[a * n + b]);
           }
         }
       });
 }
 
-template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const View<double*>&);
-template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&);
-template void add_ghost_tangent<2>(const GhostFaces&, const NodeGraph&, const View<double*>&);
-template void add_ghost_tangent<3>(const GhostFaces&, const NodeGraph&, const View<double*>&);
+template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const View<double*>&, const View<double*>&);
+template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&, const View<double*>&);
+template void add_ghost_matrix<2>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
+template void add_ghost_matrix<3>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
 } // namespace kedge

@@ -14,6 +14,16 @@ KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsig
 }
 } // namespace
 
+Materials upload_materials(const std::vector<MaterialParameters>& parameters)
+{
+  const Materials materials("materials", parameters.size());
+  const auto host = Kokkos::create_mirror_view(materials);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    host(i) = make_material(parameters[i]);
+  Kokkos::deep_copy(materials, host);
+  return materials;
+}
+
 template <int dim>
 unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                       const Materials& materials, const NodalVector& increment,

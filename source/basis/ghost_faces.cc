@@ -54,6 +54,7 @@ public:
         LeafContent& content = contents[owned.at(parcel.key)];
         content.volume += parcel.content.volume;
         content.stiffness += parcel.content.stiffness;
+        content.mass += parcel.content.mass;
       }
   }
 
@@ -116,15 +117,15 @@ bool is_boundary(const LeafTable<dim>& table, const std::vector<LeafContent>& co
   for (unsigned int axis = 0; axis < dim; ++axis)
     for (const bool upper : {false, true})
       for (const unsigned int neighbour : find_neighbours(table, leaf, axis, upper))
-        if (!is_populated(table, contents, neighbour))
+        if (!is_populated(contents[neighbour]))
           return true;
   return false;
 }
 
-/// Adds the face between leaf and neighbour; the face is the leaf's, which is not larger than its neighbour.
+/// Adds J of the face between leaf and neighbour; the face is the leaf's, which is not larger than its neighbour.
 template <int dim>
 void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int neighbour,
-              const unsigned int axis, const bool upper, const double stiffness, HostGhostFaces& faces)
+              const unsigned int axis, const bool upper, HostGhostFaces& faces)
 {
   const auto& cell = table.leaves[leaf];
   const double h = cell.size, area = std::pow(h, dim - 1);
@@ -153,7 +154,7 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
       double sum = 0.;
       for (unsigned int q = 0; q < n_points; ++q)
         sum += jumps[q][a] * jumps[q][b];
-      faces.value.push_back(stiffness * h * h * h / 3. * area / n_points * sum);
+      faces.value.push_back(h * h * h / 3. * area / n_points * sum);
     }
   faces.nodes.insert(faces.nodes.end(), nodes.begin(), nodes.end());
   faces.node_begin.push_back(faces.nodes.size());
@@ -162,17 +163,10 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
 } // namespace
 
 template <int dim>
-bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
-{
-  constexpr double fill = 1e-9;
-  return contents[leaf].volume > fill * leaf_volume(table, leaf);
-}
-
-template <int dim>
 std::vector<LeafContent>
 find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                    const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
-                   const double poor_factor, const MPI_Comm communicator)
+                   const std::vector<double>& mass, const double poor_factor, const MPI_Comm communicator)
 {
   std::vector<LeafContent> contents(table.leaves.size());
   BoxAverage<dim> box(table);
@@ -185,13 +179,14 @@ find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<dou
     {
       contents[overlap.leaf].volume += overlap.fraction * volume;
       contents[overlap.leaf].stiffness += overlap.fraction * volume * young[p];
+      contents[overlap.leaf].mass += overlap.fraction * mass[p];
     }
   }
   const LeafExchange<dim> exchange(table, communicator);
   exchange.add_to_owners(contents);
   exchange.update_ghosts(contents);
   for (unsigned int leaf = 0; leaf < table.leaves.size(); ++leaf)
-    if (table.leaves[leaf].owned && is_populated(table, contents, leaf))
+    if (table.leaves[leaf].owned && is_populated(contents[leaf]))
       contents[leaf].boundary = is_boundary(table, contents, leaf, poor_factor);
   exchange.update_ghosts(contents);
   return contents;
@@ -199,12 +194,12 @@ find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<dou
 
 template <int dim>
 HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents,
-                                const double factor)
+                                const GhostFactors& factors)
 {
   HostGhostFaces faces;
   for (unsigned int leaf = 0; leaf < table.leaves.size(); ++leaf)
   {
-    if (!table.leaves[leaf].owned || !is_populated(table, contents, leaf))
+    if (!table.leaves[leaf].owned || !is_populated(contents[leaf]))
       continue;
     for (unsigned int axis = 0; axis < dim; ++axis)
       for (const bool upper : {false, true})
@@ -215,24 +210,35 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
         const unsigned int other = neighbours[0];
         const double size = table.leaves[leaf].size, other_size = table.leaves[other].size;
         const bool mine = other_size > 1.5 * size || (other_size > 0.75 * size && upper);
-        if (!mine || !is_populated(table, contents, other) || contents[leaf].boundary + contents[other].boundary == 0.)
+        if (!mine || !is_populated(contents[other]) || contents[leaf].boundary + contents[other].boundary == 0.)
           continue;
-        const double young = 0.5 * (contents[leaf].stiffness / contents[leaf].volume +
-                                    contents[other].stiffness / contents[other].volume);
-        add_face(table, leaf, other, axis, upper, factor * young, faces);
+        add_face(table, leaf, other, axis, upper, faces);
+        const LeafContent &here = contents[leaf], &there = contents[other];
+        faces.stiffness.push_back(0.5 * factors.stiffness *
+                                  (here.stiffness / here.volume + there.stiffness / there.volume));
+        faces.mass.push_back(0.5 * factors.mass * (here.mass / here.volume + there.mass / there.volume));
       }
   }
   return faces;
 }
 
-template bool is_populated<2>(const LeafTable<2>&, const std::vector<LeafContent>&, unsigned int);
-template bool is_populated<3>(const LeafTable<3>&, const std::vector<LeafContent>&, unsigned int);
+GhostFaces upload_ghost_faces(HostGhostFaces&& host, const std::vector<unsigned int>& number)
+{
+  for (unsigned int& node : host.nodes)
+    node = number[node];
+  return {upload(host.node_begin, "ghost node begin"),   upload(host.nodes, "ghost nodes"),
+          upload(host.value_begin, "ghost value begin"), upload(host.value, "ghost values"),
+          upload(host.stiffness, "ghost stiffness"),     upload(host.mass, "ghost mass")};
+}
+
 template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
                                                         const std::vector<std::array<double, 2>>&,
-                                                        const std::vector<double>&, double, MPI_Comm);
+                                                        const std::vector<double>&, const std::vector<double>&, double,
+                                                        MPI_Comm);
 template std::vector<LeafContent> find_leaf_contents<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
                                                         const std::vector<std::array<double, 3>>&,
-                                                        const std::vector<double>&, double, MPI_Comm);
-template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, double);
-template HostGhostFaces find_ghost_faces<3>(const LeafTable<3>&, const std::vector<LeafContent>&, double);
+                                                        const std::vector<double>&, const std::vector<double>&, double,
+                                                        MPI_Comm);
+template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, const GhostFactors&);
+template HostGhostFaces find_ghost_faces<3>(const LeafTable<3>&, const std::vector<LeafContent>&, const GhostFactors&);
 } // namespace kedge

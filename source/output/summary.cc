@@ -24,7 +24,10 @@ Json to_json(const StageSummary& stage)
           {"material points", stage.particles},
           {"cells", stage.cells},
           {"dofs", stage.dofs},
-          {"deleted", stage.deleted}};
+          {"deleted", stage.deleted},
+          {"deepest penetration", stage.penetration},
+          {"bytes per material point", {{"data", stage.particle_bytes}, {"basis", stage.basis_bytes}}},
+          {"rigid points at start", stage.start_positions}};
 }
 
 /// The first line: some implementations add how they were built.
@@ -64,7 +67,6 @@ void write_summary(const RunSummary& summary, const std::string& file)
                      {"stages", stages},
                      {"wall time", {{"total", summary.total_seconds}, {"phases", summary.seconds}}},
                      {"peak memory", summary.peak_memory},
-                     {"bytes per material point", summary.bytes_per_particle},
                      {"libraries", summary.libraries}};
   // a file name may hold bytes that are no UTF-8: that must not cost the summary
   replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

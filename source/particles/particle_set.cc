@@ -221,6 +221,14 @@ template <int dim> long long ParticleSet<dim>::remove_if(const std::function<boo
   return sum_over_ranks(removed, mesh.triangulation().get_communicator());
 }
 
+template <int dim> double ParticleSet<dim>::bytes() const
+{
+  const double handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
+  const double arrays =
+      sizeof(double) * (6. + 3. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
+  return mirror.n * (handler + arrays);
+}
+
 template class ParticleSet<2>;
 template class ParticleSet<3>;
 } // namespace kedge

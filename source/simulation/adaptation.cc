@@ -35,13 +35,13 @@ double wanted_size(const AdaptationTarget& target, const double base_size, const
 template <int dim>
 std::vector<unsigned char> find_soil(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
 {
-  const std::vector<double> no_stiffness(particles.positions().size(), 0.);
+  const std::vector<double> nothing(particles.positions().size(), 0.); // the volume is all that counts here
   const std::vector<LeafContent> contents =
-      find_leaf_contents<dim>(mesh.leaves(), particles.positions(), particles.half_widths(), no_stiffness, 0.,
+      find_leaf_contents<dim>(mesh.leaves(), particles.positions(), particles.half_widths(), nothing, nothing, 0.,
                               mesh.triangulation().get_communicator());
   std::vector<unsigned char> holds_soil(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
-    holds_soil[leaf] = is_populated<dim>(mesh.leaves(), contents, leaf);
+    holds_soil[leaf] = is_populated(contents[leaf]);
   return holds_soil;
 }
 
@@ -49,9 +49,11 @@ std::vector<unsigned char> find_soil(const BackgroundMesh<dim>& mesh, const Part
 /// domains follow the deformation.
 template <int dim>
 std::vector<double> find_largest_sizes(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles,
-                                       const unsigned int points_per_axis)
+                                       const Adaptivity& adaptivity, const unsigned int points_per_axis)
 {
   std::vector<double> largest(mesh.leaves().leaves.size(), std::numeric_limits<double>::infinity());
+  if (adaptivity.merge) // particles follow the cells
+    return largest;
   for (std::size_t p = 0; p < particles.positions().size(); ++p)
   {
     double volume = 1.;
@@ -66,17 +68,18 @@ std::vector<double> find_largest_sizes(const BackgroundMesh<dim>& mesh, const Pa
 
 template <int dim>
 bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const AdaptationTarget& target,
-                const std::function<void()>& split_particles)
+                const AdaptationHooks& hooks)
 {
   const WantedSize<dim> wanted = [&](const std::array<double, dim>& lower, const double size)
   { return wanted_size<dim>(target, mesh.layout().base_size, lower, size); };
   const auto change = [&]
   {
     particles.carry_through([&] { mesh.triangulation().execute_coarsening_and_refinement(); });
-    split_particles();
+    hooks.split_particles();
     if (particles.imbalance(target.particle_cost) > worst_imbalance)
       particles.balance_load(mesh, target.particle_cost);
     particles.load();
+    hooks.follow_particles();
   };
 
   bool changed = false;
@@ -87,7 +90,8 @@ bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const Ad
     changed = true;
   }
   for (bool gathered = false;; changed = true)
-    switch (flag_coarsening<dim>(mesh, wanted, find_largest_sizes(mesh, particles, target.points_per_axis)))
+    switch (flag_coarsening<dim>(mesh, wanted,
+                                 find_largest_sizes(mesh, particles, target.adaptivity, target.points_per_axis)))
     {
       case Coarsening::none:
         return changed;
@@ -100,11 +104,12 @@ bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const Ad
           return changed;
         particles.balance_load(mesh, target.particle_cost);
         particles.load();
+        hooks.follow_particles();
         gathered = true;
         break;
     }
 }
 
-template bool adapt_mesh<2>(BackgroundMesh<2>&, ParticleSet<2>&, const AdaptationTarget&, const std::function<void()>&);
-template bool adapt_mesh<3>(BackgroundMesh<3>&, ParticleSet<3>&, const AdaptationTarget&, const std::function<void()>&);
+template bool adapt_mesh<2>(BackgroundMesh<2>&, ParticleSet<2>&, const AdaptationTarget&, const AdaptationHooks&);
+template bool adapt_mesh<3>(BackgroundMesh<3>&, ParticleSet<3>&, const AdaptationTarget&, const AdaptationHooks&);
 } // namespace kedge

@@ -38,11 +38,6 @@ void refuse_in_stage(const Input& input, const Stage& stage, const std::string& 
     refuse(path + ".type",
            stage.stepping.type == StageType::dynamic ? "the stage type \"dynamic\"" : "the stage type \"explicit\"",
            "use \"static\"");
-  if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
-    refuse(path + ".adaptivity.type", "refinement at the rigid body surface",
-           "use \"none\" or \"uniform\" with a smaller base \"element size\"");
-  if (stage.adaptivity.merge)
-    refuse(path + ".adaptivity.merge", "merging of material points", "set it to \"off\"");
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const auto& [side, planes] :
          {std::make_pair(".min", stage.track.min), std::make_pair(".max", stage.track.max)})

@@ -1,18 +1,18 @@
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/snapshots.h>
-#include <kedge/output/summary.h>
+#include <kedge/particles/cleaning.h>
 #include <kedge/particles/generation.h>
+#include <kedge/particles/merging.h>
+#include <kedge/particles/splitting.h>
+#include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/layout.h>
+#include <kedge/simulation/run_log.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/step_problem.h>
-#include <kedge/simulation/version.h>
-#include <kedge/time/clock.h>
 #include <numeric>
 
 namespace kedge
@@ -22,27 +22,17 @@ namespace
 /// A particle's work in a step relative to that of an empty cell, for the partition.
 constexpr double particle_cost = 20.;
 
-Materials upload_materials(const std::vector<Layer>& layers)
+Materials upload_layers(const std::vector<Layer>& layers)
 {
-  const Materials materials("materials", layers.size());
-  const auto host = Kokkos::create_mirror_view(materials);
-  for (std::size_t i = 0; i < layers.size(); ++i)
-    host(i) = make_material(layers[i].material);
-  Kokkos::deep_copy(materials, host);
-  return materials;
+  std::vector<MaterialParameters> parameters;
+  for (const Layer& layer : layers)
+    parameters.push_back(layer.material);
+  return upload_materials(parameters);
 }
 
 double magnitude(const std::array<double, 3>& x)
 {
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
-}
-
-std::string format_residuals(const NewtonReport& newton)
-{
-  std::string text;
-  for (const double residual : newton.residuals)
-    text += fmt::format(" {:.2e}", residual);
-  return text;
 }
 
 template <int dim> class Simulation
@@ -55,23 +45,21 @@ private:
   void warn_of_sharp_edges();
   void begin_stage(unsigned int number);
   void run_stage();
+  void prepare_step();
+  void remove_hopeless();
+  void adapt();
   NewtonReport find_equilibrium(const Clock& clock);
   void commit_trial();
-  void count(const NewtonReport& newton, const Clock& clock);
-  void report_progress(const Clock& clock, const NewtonReport& newton);
+  StepState step_state() const;
   void write_output(const Clock& clock, bool even_if_not_due);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
-  void finish_summary(const std::string& status);
+  void end_stage();
   void remove_buried_particles();
 
   const Input& input;
-  const RunOptions& options;
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   const Stage* stage = nullptr;
   unsigned int stage_number = 0; ///< from 0
-  Report report;
-  Timings timings;
-  RunSummary summary;
+  RunLog log;
 
   BackgroundMesh<dim> mesh;
   ParticleSet<dim> particles;
@@ -82,37 +70,29 @@ private:
 
   std::unique_ptr<StepProblem<dim>> problem; ///< of the current step; survives a cut
   typename StepProblem<dim>::Load load;
-  typename StepProblem<dim>::Prediction prediction; ///< for the next step of this stage
+  Prediction prediction; ///< for the next step of this stage
   std::vector<Vector6> reactions;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
-  long long deleted = 0;
+  long long deleted = 0, dofs = 0;
+  double basis_bytes = 0.;
   unsigned int step = 1; ///< global counter; the first converged step is number 2, as the file names have it
 };
 
 template <int dim>
-Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
+Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
     : input(input_),
-      options(options_),
-      report(rank_of(MPI_COMM_WORLD) == 0, options_.quiet),
+      log(input_, options),
       mesh(MPI_COMM_WORLD, make_grid_layout<dim>(input_)),
       particles(mesh),
-      materials(upload_materials(input_.material_points.layers)),
+      materials(upload_layers(input_.material_points.layers)),
       bodies(make_rigid_systems(input_.systems, dim)),
       contact(input_.contact, MPI_COMM_WORLD),
-      writer(input_.output, options_.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
+      writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)
     write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
-  summary.version = version();
-  summary.input_file = options.input_file;
-  summary.back_end = back_end();
-  summary.gpu_requested = input.gpu;
-  summary.ranks = size_of(MPI_COMM_WORLD);
-  summary.libraries = library_versions();
-  if (input.gpu && back_end() != "Cuda" && back_end() != "HIP")
-    report.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
   warn_of_sharp_edges();
-  const auto scope = timings.measure("generation");
+  const auto scope = log.timings().measure("generation");
   generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
   particles.balance_load(mesh, particle_cost);
   particles.load();
@@ -124,7 +104,7 @@ template <int dim> void Simulation<dim>::warn_of_sharp_edges()
   constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
   for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
     if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < facets * 0.5 * particle)
-      report.warn(
+      log.report().warn(
           fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
                       "soil may slip past them; round them, as kedge geometry --edge-radius does",
                       i + 1, radius, 0.5 * particle));
@@ -136,9 +116,9 @@ template <int dim> void Simulation<dim>::run()
   {
     begin_stage(number);
     run_stage();
+    end_stage();
   }
-  finish_summary("finished");
-  report.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
+  log.finish("finished");
 }
 
 template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
@@ -146,17 +126,16 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   stage_number = number;
   stage = &input.stages[number];
   prediction.clear();
-  summary.stages.emplace_back();
-  summary.stages.back().type = "static";
   writer.begin_stage(stage->stepping.load_steps);
   apply_conditions(bodies, input.systems, stage->point_conditions, dim);
-  if (!stage->rigid_bodies)
-    return;
-  if (stage->surface_placement)
+  if (stage->rigid_bodies && stage->surface_placement)
     place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
-  if (stage->wished_in_place)
-    remove_buried_particles();
-  take_reference_gaps = stage->wished_in_place;
+  log.begin_stage(bodies);
+  if (!stage->rigid_bodies || !stage->wished_in_place)
+    return;
+  adapt(); // the finer the cells, the smaller the steps of the hole
+  remove_buried_particles();
+  take_reference_gaps = true;
 }
 
 template <int dim> void Simulation<dim>::remove_buried_particles()
@@ -169,7 +148,7 @@ template <int dim> void Simulation<dim>::remove_buried_particles()
       });
   deleted += removed;
   particles.load();
-  report.line(fmt::format("{} material points inside buried bodies removed", removed));
+  log.report().line(fmt::format("{} material points inside buried bodies removed", removed));
 }
 
 template <int dim> void Simulation<dim>::run_stage()
@@ -177,6 +156,8 @@ template <int dim> void Simulation<dim>::run_stage()
   Clock clock(stage->stepping.load_steps, input.solver.minimum_step_fraction);
   while (!clock.at_end())
   {
+    if (!problem)
+      prepare_step();
     const NewtonReport newton = find_equilibrium(clock);
     if (newton.converged)
     {
@@ -184,48 +165,85 @@ template <int dim> void Simulation<dim>::run_stage()
       clock.advance();
       ++step;
     }
-    count(newton, clock);
+    log.count(newton, clock, step);
     if (newton.converged)
     {
-      report_progress(clock, newton);
+      log.progress(newton, clock, step_state());
       write_output(clock, false);
     }
     else if (!clock.cut())
       give_up(clock, newton);
   }
-  report.end_progress();
 }
 
-template <int dim> void Simulation<dim>::count(const NewtonReport& newton, const Clock& clock)
+/// What a cut step does not repeat.
+template <int dim> void Simulation<dim>::prepare_step()
 {
-  StageSummary& counts = summary.stages.back();
-  counts.steps += newton.converged;
-  counts.cuts = clock.cuts();
-  counts.newton_iterations += newton.iterations;
-  counts.krylov_iterations += newton.krylov_iterations;
-  if (options.verbose)
-    report.line(fmt::format("step {} {}: {} Krylov iterations, residuals{}", step,
-                            newton.converged ? "converged" : newton.failure, newton.krylov_iterations,
-                            format_residuals(newton)));
+  remove_hopeless();
+  adapt();
+  problem =
+      std::make_unique<StepProblem<dim>>(input, *stage, mesh, particles, materials, bodies, contact, log.timings());
+  if (take_reference_gaps)
+    contact.take_reference_gaps(bodies);
+  take_reference_gaps = false;
+}
+
+template <int dim> void Simulation<dim>::remove_hopeless()
+{
+  const auto scope = log.timings().measure("clean");
+  const HopelessParticles removed = remove_hopeless_particles(particles, mesh);
+  if (removed.distorted + removed.isolated == 0)
+    return;
+  deleted += removed.distorted + removed.isolated;
+  particles.load();
+  log.report().line(fmt::format("step {}: {} distorted and {} isolated material points removed", step,
+                                removed.distorted, removed.isolated));
+}
+
+template <int dim> void Simulation<dim>::adapt()
+{
+  if (stage->adaptivity.type != AdaptivityType::rigid_body_surface || !stage->rigid_bodies)
+    return;
+  const auto scope = log.timings().measure("adapt");
+  const unsigned int points_per_axis = input.material_points.points_per_axis;
+  const LeafTable<dim> before = mesh.leaves();
+  const AdaptationHooks hooks{[&] { contact.inherit(split_particles(particles, mesh, points_per_axis)); },
+                              [&] { contact.follow_particles(particles.ids()); }};
+  if (!adapt_mesh<dim>(mesh, particles, {bodies, stage->adaptivity, points_per_axis, particle_cost}, hooks))
+    return;
+  prediction = transfer_prediction<dim>(prediction, before, mesh.leaves());
+  if (!stage->adaptivity.merge)
+    return;
+  const MergeResult merged = merge_particles<dim>(particles, mesh, points_per_axis, [](const auto&) { return false; });
+  if (merged.removed > 0)
+  {
+    particles.load();
+    contact.follow_particles(particles.ids());
+  }
+}
+
+template <int dim> StepState Simulation<dim>::step_state() const
+{
+  StepState state;
+  state.step = step;
+  state.particles = particles.n_global();
+  state.deleted = deleted + particles.n_lost();
+  state.dofs = dofs;
+  state.penetration = stage->rigid_bodies ? contact.deepest_penetration() : 0.;
+  return state;
 }
 
 template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
 {
-  const auto scope = timings.measure("output");
+  const auto scope = log.timings().measure("output");
   const double time = clock.steps_done() / clock.requested_steps();
   writer.write_if_due(
       {particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, stage_number + time},
-      summary.stages.back().steps, clock.at_end() || even_if_not_due);
+      log.steps_in_stage(), clock.at_end() || even_if_not_due);
 }
 
 template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
 {
-  if (!problem)
-    problem = std::make_unique<StepProblem<dim>>(input, *stage, mesh, particles, materials, bodies, contact, timings);
-  if (take_reference_gaps)
-    contact.take_reference_gaps(bodies);
-  take_reference_gaps = false;
-
   load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
   load.step_fraction = clock.step_fraction();
   load.body_increments.clear();
@@ -249,13 +267,14 @@ template <int dim> void Simulation<dim>::commit_trial()
     reactions.push_back(reaction);
   }
 
-  const auto scope = timings.measure("commit");
+  const auto scope = log.timings().measure("commit");
   if (stage->rigid_bodies)
   {
     particles.set_contact_gaps(contact.smallest_gaps());
     contact.commit();
   }
-  summary.stages.back().dofs = problem->n_dofs();
+  dofs = problem->n_dofs();
+  basis_bytes = problem->basis_bytes();
   prediction = problem->predict_next();
   problem.reset();
   particles.commit(increments, input.material_points.domain_update);
@@ -263,56 +282,29 @@ template <int dim> void Simulation<dim>::commit_trial()
   contact.follow_particles(particles.ids());
 }
 
-template <int dim> void Simulation<dim>::report_progress(const Clock& clock, const NewtonReport& newton)
-{
-  Progress state;
-  state.stage = stage_number + 1;
-  state.n_stages = input.stages.size();
-  state.time = clock.steps_done() / clock.requested_steps();
-  state.step = step;
-  state.increment = clock.step_fraction() / clock.requested_steps();
-  state.newton_iterations = newton.iterations;
-  state.krylov_iterations = newton.krylov_iterations;
-  state.cuts = clock.cuts();
-  state.deleted = deleted + particles.n_lost();
-  state.particles = particles.n_global();
-  report.progress(state);
-}
-
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
-  report.end_progress();
-  if (summary.stages.back().steps > 0)
+  if (log.steps_in_stage() > 0)
     write_output(clock, true);
-  finish_summary("failed: " + newton.failure);
+  end_stage();
+  log.finish("failed: " + newton.failure);
   throw SolverError(
       fmt::format(
           "stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
-          "Residual over the soil's weight:{}\n"
+          "Residual over the soil's weight: {}\n"
           "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
           stage_number + 1, clock.steps_done() + 1., clock.requested_steps(), newton.failure, clock.step_fraction(),
           format_residuals(newton)),
       newton.residuals);
 }
 
-template <int dim> void Simulation<dim>::finish_summary(const std::string& status)
+template <int dim> void Simulation<dim>::end_stage()
 {
-  const MPI_Comm world = MPI_COMM_WORLD;
-  summary.status = status;
-  summary.warnings = report.warnings();
-  summary.seconds = timings.seconds();
-  summary.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  summary.peak_memory = max_over_ranks(peak_memory(), world);
-  summary.bytes_per_particle = sum_over_ranks(peak_memory(), world) / std::max(1ll, particles.n_global());
-  StageSummary& last = summary.stages.back();
-  last.particles = particles.n_global();
-  last.deleted = deleted + particles.n_lost();
+  problem.reset();
   long long cells = 0;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     cells += cell->is_locally_owned() && particles.handler().n_particles_in_cell(cell) > 0;
-  last.cells = sum_over_ranks(cells, world);
-  if (rank_of(world) == 0)
-    write_summary(summary, (std::filesystem::path(options.output_directory) / "summary.json").string());
+  log.end_stage(step_state(), sum_over_ranks(cells, MPI_COMM_WORLD), particles.bytes(), basis_bytes);
 }
 } // namespace
 

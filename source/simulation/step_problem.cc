@@ -27,7 +27,7 @@ StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const Ba
   const std::vector<unsigned char> constrained = find_constrained_dofs();
   std::vector<NodeLists> couplings{{stencils.pattern_node_begin, stencils.pattern_nodes}};
   if (ghost_faces.n_faces() > 0)
-    couplings.push_back(ghost_faces.lists);
+    couplings.push_back({ghost_faces.node_begin, ghost_faces.nodes});
   system = std::make_unique<System>(
       dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
 
@@ -56,18 +56,14 @@ template <int dim> void StepProblem<dim>::number_nodes()
   {
     const std::vector<LeafContent> contents = find_leaf_contents<dim>(
         mesh.leaves(), particles.positions(), particles.half_widths(), download(particles.arrays().young),
-        input.solver.poor_factor, mesh.triangulation().get_communicator());
-    faces = find_ghost_faces<dim>(mesh.leaves(), contents, input.solver.ghost_factor);
+        download(particles.arrays().mass), input.solver.poor_factor, mesh.triangulation().get_communicator());
+    faces = find_ghost_faces<dim>(mesh.leaves(), contents, {input.solver.ghost_factor, input.solver.ghost_factor_mass});
     for (const unsigned int node : faces.nodes)
       used[node] = 1; // active already, but perhaps only through other ranks' particles
   }
   nodes = number_active_nodes<dim>(mesh.leaves(), used, mesh.triangulation().get_communicator());
   stencils = upload_stencils<dim>(std::move(host), nodes.number);
-  for (unsigned int& node : faces.nodes)
-    node = nodes.number[node];
-  ghost_faces = {{upload(faces.node_begin, "ghost node begin"), upload(faces.nodes, "ghost nodes")},
-                 upload(faces.value_begin, "ghost value begin"),
-                 upload(faces.value, "ghost values")};
+  ghost_faces = upload_ghost_faces(std::move(faces), nodes.number);
 }
 
 template <int dim> std::vector<unsigned char> StepProblem<dim>::find_constrained_dofs() const
@@ -154,7 +150,7 @@ template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton
     Tpetra::deep_copy(*increment, guess);
 }
 
-template <int dim> typename StepProblem<dim>::Prediction StepProblem<dim>::predict_next() const
+template <int dim> Prediction StepProblem<dim>::predict_next() const
 {
   const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
   Prediction prediction(dim * mesh.leaves().node_ids.size(), 0.);
@@ -181,7 +177,7 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
     add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
   }
-  add_ghost_force<dim>(ghost_faces, local_increment, force);
+  add_ghost_force<dim>(ghost_faces, ghost_faces.stiffness, local_increment, force);
   system->collect(force, r);
   system->zero_constrained(r);
   if (sum_over_ranks(static_cast<long long>(inverted), nodes.communicator) > 0)
@@ -200,7 +196,7 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
     add_tangent<dim>(particles.arrays(), stencils, materials, local_increment, system->graph(), system->values());
     if (stage.rigid_bodies)
       add_point_tangents(contact.points_of_last_evaluation(), -1., system->graph(), system->values());
-    add_ghost_tangent<dim>(ghost_faces, system->graph(), system->values());
+    add_ghost_matrix<dim>(ghost_faces, ghost_faces.stiffness, system->graph(), system->values());
     system->finish_matrix();
   }
   const auto scope = timings.measure("linear solver");
@@ -210,6 +206,13 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
 template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
 {
   return interpolate_increments<dim>(stencils, local_increment);
+}
+
+template <int dim> double StepProblem<dim>::basis_bytes() const
+{
+  return double(stencils.value.span() + stencils.gradient.span()) * sizeof(double) +
+         double(stencils.pattern_nodes.span() + stencils.pattern_particles.span()) * sizeof(unsigned int) +
+         stencils.n_particles * (sizeof(unsigned int) + sizeof(std::size_t));
 }
 
 template class StepProblem<2>;

@@ -8,6 +8,10 @@ namespace
 {
 using LocalMatrix = TpetraMatrix::local_matrix_device_type;
 
+/// Both tried on a plate pulled through cohesionless sand: there a third of the Krylov iterations of 0.5 and 0, and no
+/// more than with the full matrix.
+constexpr double tolerated_loss = 0.05, reinforcement = 0.3;
+
 /// Places of the nodes of all columns, block_size + 1 numbers each: position and spacing.
 std::vector<double> spread_places(const TpetraMatrix& matrix, const unsigned int block_size, const NodePlaces& places)
 {
@@ -103,8 +107,19 @@ void NearMatrix::update()
       "near matrix", Kokkos::RangePolicy<ExecutionSpace>(0, from.numRows()), KOKKOS_LAMBDA(const std::size_t row) {
         for (std::size_t k = to.graph.row_map(row); k < to.graph.row_map(row + 1); ++k)
           to.values(k) = 0.;
+        double diagonal = 0., far = 0.;
+        const auto is_far = [&](const std::size_t k) { return from.graph.entries(k) != to.graph.entries(where(k)); };
+        const auto goes_to_diagonal = [&](const std::size_t k)
+        { return static_cast<std::size_t>(to.graph.entries(where(k))) == row; };
         for (std::size_t k = from.graph.row_map(row); k < from.graph.row_map(row + 1); ++k)
-          to.values(where(k)) += from.values(k);
+          if (goes_to_diagonal(k))
+            (is_far(k) ? far : diagonal) += from.values(k);
+        const bool weakens = far < -tolerated_loss * diagonal;
+        for (std::size_t k = from.graph.row_map(row); k < from.graph.row_map(row + 1); ++k)
+          if (!is_far(k) || !weakens)
+            to.values(where(k)) += from.values(k);
+          else if (goes_to_diagonal(k))
+            to.values(where(k)) += reinforcement * Kokkos::Experimental::fabs(from.values(k));
       });
 }
 } // namespace kedge

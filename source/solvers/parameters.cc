@@ -18,8 +18,10 @@ Section<SolverParameters> solver_section()
                    "Krylov iterations per Newton iteration before the linear solver escalates");
   section.required("poor factor", &P::poor_factor, number("-", not_negative().at_most(1.)),
                    "Cells filled below this share of their volume count as boundary cells; 0: none does");
-  section.required("ghost factor", &P::ghost_factor, number("-", not_negative()),
-                   "Scale of the ghost stabilisation of the stiffness; 0: none");
+  section.required(
+      "ghost factor", &P::ghost_factor, number("1/m2", not_negative()),
+      "Scale of the ghost stabilisation of the stiffness; its strength is this times the square of the cell "
+      "size, 0.03 to 1 suits; 0: none");
   section.required("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
                    "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");
   section.optional("line search", &P::line_search, on_off(), "Armijo line search along each Newton correction");

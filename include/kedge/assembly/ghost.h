@@ -2,24 +2,18 @@
 #pragma once
 
 #include <kedge/assembly/node_graph.h>
+#include <kedge/basis/ghost_faces.h>
 
 namespace kedge
 {
-/// Scalar face matrices J (Coombs 2023, doi 10.1002/nme.7332) of the stabilised faces, times their stiffness: face f
-/// couples the nodes lists.nodes[lists.begin[f] .. ) and has its n x n matrix at value[value_begin[f]], N/m.
-struct GhostFaces
-{
-  NodeLists lists;
-  View<std::size_t*> value_begin;
-  View<double*> value;
-
-  std::size_t n_faces() const { return lists.begin.extent(0) == 0 ? 0 : lists.begin.extent(0) - 1; }
-};
-
-/// Adds J d, for every component of the increments d (m), to `force`.
+/// Adds weight J d, for every component of the nodal vector d, to `force`; `weight` holds one number per face, the
+/// faces' stiffness for increments (m) or their mass for accelerations (m/s2).
 template <int dim>
-void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force);
+void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
+                     const View<double*>& force);
 
-/// Adds J times the identity to the blocks of the faces' nodes.
-template <int dim> void add_ghost_tangent(const GhostFaces& faces, const NodeGraph& graph, const View<double*>& values);
+/// Adds weight J times the identity to the blocks of the faces' nodes.
+template <int dim>
+void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, const NodeGraph& graph,
+                      const View<double*>& values);
 } // namespace kedge

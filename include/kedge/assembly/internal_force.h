@@ -4,6 +4,7 @@
 #include <array>
 #include <kedge/assembly/node_graph.h>
 #include <kedge/materials/material.h>
+#include <kedge/materials/parameters.h>
 #include <kedge/particles/arrays.h>
 
 namespace kedge
@@ -11,6 +12,9 @@ namespace kedge
 /// Nodal vectors have dim entries per local node (owned, then ghosts).
 using NodalVector = View<double*>;
 using Materials = View<Material*>;
+
+/// The laws of the layers, in their order, on the device.
+Materials upload_materials(const std::vector<MaterialParameters>& parameters);
 
 /// Computes every particle's trial state from the nodal increments (m) and adds its internal force (N) to `force`:
 /// f_v += V0 tau grad_x S_v, grad_x S = dF^-T grad S (Charlton, Coombs & Augarde 2017). Returns the number of particles

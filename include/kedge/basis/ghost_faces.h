@@ -1,6 +1,7 @@
 // Which faces need ghost stabilisation, and their matrices.
 #pragma once
 
+#include <kedge/base/kokkos.h>
 #include <kedge/mesh/leaf_table.h>
 #include <mpi.h>
 #include <vector>
@@ -8,12 +9,32 @@
 namespace kedge
 {
 /// Stabilised faces of a rank, nodes as local numbers of the leaf table. Face f has the nodes
-/// nodes[node_begin[f] .. node_begin[f + 1]) and the symmetric matrix J at value[value_begin[f]].
+/// nodes[node_begin[f] .. node_begin[f + 1]) and the symmetric matrix J (m3; 2-D: m2) at value[value_begin[f]], which
+/// stiffness and mass share: stiffness[f] J acts on increments (N/m), mass[f] J on accelerations (kg).
 struct HostGhostFaces
 {
   std::vector<unsigned int> node_begin{0}, nodes;
   std::vector<std::size_t> value_begin{0};
   std::vector<double> value;
+  std::vector<double> stiffness; ///< factor times Young's modulus, N/m4
+  std::vector<double> mass;      ///< factor times density, kg/m3
+};
+
+/// The same on the device, nodes as numbers of active nodes.
+struct GhostFaces
+{
+  View<unsigned int*> node_begin, nodes;
+  View<std::size_t*> value_begin;
+  View<double*> value, stiffness, mass;
+
+  std::size_t n_faces() const { return stiffness.extent(0); }
+};
+
+/// How strong the stabilisation is.
+struct GhostFactors
+{
+  double stiffness = 0.; ///< 1/m2, as in the published inputs; what counts is this times h^2
+  double mass = 0.;      ///< no unit
 };
 
 /// How much soil a leaf holds, over all ranks.
@@ -21,23 +42,29 @@ struct LeafContent
 {
   double volume = 0.;    ///< of the particles' boxes in it, m3 (2-D: m2)
   double stiffness = 0.; ///< volume times Young's modulus
+  double mass = 0.;      ///< kg (2-D: kg/m)
   double boundary = 0.;  ///< 1: has an unpopulated face neighbour or is filled below the poor factor
 };
 
-/// Contents of all leaves of the table (owned and ghost). Collective.
+/// Contents of all leaves of the table (owned and ghost) from each particle's box (m), Young's modulus (Pa) and mass
+/// (kg). Beyond the grid's boundary there is no neighbour, so none that is unpopulated. Collective.
 template <int dim>
 std::vector<LeafContent>
 find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                    const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
-                   double poor_factor, MPI_Comm communicator);
+                   const std::vector<double>& mass, double poor_factor, MPI_Comm communicator);
 
-/// Whether the leaf holds more soil than round-off.
-template <int dim>
-bool is_populated(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, unsigned int leaf);
+/// Whether the basis sees the leaf: BoxAverage drops slivers, and a threshold here would leave nodes of small cuts
+/// alone.
+inline bool is_populated(const LeafContent& content) { return content.volume > 0.; }
 
-/// Faces between a boundary leaf and a populated one, each on one rank, with J = factor * E * (h^3 / 3) * integral over
-/// the face of the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E is the mean
-/// of the two leaves' (Coombs 2023, doi 10.1002/nme.7332). The factor's unit is 1/m2, as in the published inputs.
+/// Faces between a boundary leaf and a populated one, each on one rank, with J = (h^3 / 3) * integral over the face of
+/// the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E and the density are the
+/// mean of the two leaves' (Coombs 2023, doi 10.1002/nme.7332).
 template <int dim>
-HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, double factor);
+HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents,
+                                const GhostFactors& factors);
+
+/// Renames the nodes by `number` (leaf-table node -> active node) and copies to the device.
+GhostFaces upload_ghost_faces(HostGhostFaces&& host, const std::vector<unsigned int>& number);
 } // namespace kedge

@@ -1,6 +1,7 @@
 // What a run did and what it cost, as a file beside its results.
 #pragma once
 
+#include <array>
 #include <kedge/output/text_file.h>
 #include <map>
 #include <string>
@@ -13,8 +14,11 @@ struct StageSummary
   std::string type; ///< "static", "dynamic", "explicit"
   unsigned int steps = 0, cuts = 0;
   long long newton_iterations = 0, krylov_iterations = 0;
-  long long particles = 0, cells = 0, dofs = 0; ///< at its end, over all ranks; cells that hold soil
-  long long deleted = 0;                        ///< particles, during the stage
+  long long particles = 0, cells = 0, dofs = 0;       ///< at its end, over all ranks; cells that hold soil
+  long long deleted = 0;                              ///< particles, during the stage
+  double penetration = 0.;                            ///< deepest of any step, m
+  double particle_bytes = 0., basis_bytes = 0.;       ///< per particle: its data, its shape functions
+  std::vector<std::array<double, 3>> start_positions; ///< of the rigid points, m
 };
 
 struct RunSummary
@@ -27,8 +31,7 @@ struct RunSummary
   std::vector<StageSummary> stages;
   std::map<std::string, double> seconds; ///< wall time per phase
   double total_seconds = 0.;
-  double peak_memory = 0.; ///< highest of any rank, bytes
-  double bytes_per_particle = 0.;
+  double peak_memory = 0.;                      ///< highest of any rank, bytes
   std::map<std::string, std::string> libraries; ///< name and version
 };
 

@@ -56,6 +56,9 @@ public:
   /// Particles that left the grid, or moved past the neighbours of their rank's cells in one step, and were dropped.
   long long n_lost() const { return lost; }
 
+  /// Bytes that the particles of this rank take, in deal.II's handler and in the arrays.
+  double bytes() const;
+
 private:
   std::vector<double> cell_work(double cost) const;
 

@@ -17,12 +17,18 @@ struct AdaptationTarget
   double particle_cost;         ///< as for ParticleSet::balance_load
 };
 
+/// What has to happen along with every change of the mesh.
+struct AdaptationHooks
+{
+  std::function<void()> split_particles;  ///< called while the particles' arrays are out of date
+  std::function<void()> follow_particles; ///< called when they are loaded again, perhaps on other ranks
+};
+
 /// Refines and coarsens the mesh until its cells have the sizes that the stage asks for at the bodies' surfaces and in
 /// the region around them. Cells without soil are refined only where 2:1 asks for it; no cell coarsens while a particle
-/// in it needs it or while the surfaces ask its parent to be finer. After every pass `split_particles` is called, with
-/// the arrays of the particles out of date, and the load is spread anew where that pays. Particles have to be loaded
-/// and are so afterwards. Returns whether anything changed, be it the partition only. Collective.
+/// in it needs it or while the surfaces ask its parent to be finer. The load is spread anew where that pays. Particles
+/// have to be loaded and are so afterwards. Returns whether anything changed, be it the partition only. Collective.
 template <int dim>
 bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const AdaptationTarget& target,
-                const std::function<void()>& split_particles);
+                const AdaptationHooks& hooks);
 } // namespace kedge

@@ -8,6 +8,7 @@
 #include <kedge/contact/contact.h>
 #include <kedge/particles/particle_set.h>
 #include <kedge/simulation/input.h>
+#include <kedge/simulation/prediction.h>
 #include <kedge/solvers/newton.h>
 
 namespace kedge
@@ -24,10 +25,6 @@ public:
     std::vector<Vector6> body_increments; ///< per rigid point, of the whole (possibly cut) step
   };
 
-  /// Nodal increments of a requested step (m, dim per node of the leaf table) as the last steps had them: the guess
-  /// from which the next one starts. Empty: rest.
-  using Prediction = std::vector<double>;
-
   /// Overlaps particles with cells, numbers the active nodes and sets up the sparsity. Collective.
   StepProblem(const Input& input, const Stage& stage, const BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles,
               const Materials& materials, const RigidSystems& bodies, Contact<dim>& contact, Timings& timings);
@@ -42,6 +39,8 @@ public:
   BodyLoads body_loads() const { return contact.loads(bodies, load.body_increments); }
 
   long long n_dofs() const { return dim * nodes.n_global; }
+  /// Bytes that the basis of this rank's particles takes.
+  double basis_bytes() const;
 
 private:
   void number_nodes();

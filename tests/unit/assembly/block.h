@@ -12,14 +12,13 @@
 
 namespace kedge::test
 {
-inline Materials upload_materials(const std::vector<Layer>& layers)
+/// The laws of the layers on the device.
+inline Materials laws_of(const std::vector<Layer>& layers)
 {
-  const Materials materials("materials", layers.size());
-  const auto host = Kokkos::create_mirror_view(materials);
-  for (std::size_t i = 0; i < layers.size(); ++i)
-    host(i) = make_material(layers[i].material);
-  Kokkos::deep_copy(materials, host);
-  return materials;
+  std::vector<MaterialParameters> parameters;
+  for (const Layer& layer : layers)
+    parameters.push_back(layer.material);
+  return upload_materials(parameters);
 }
 
 inline MaterialParameters soil(const MaterialType type)
@@ -103,7 +102,7 @@ template <int dim> struct Block
   {
     MaterialPointParameters parameters;
     parameters.layers = {{1., soil(type)}};
-    materials = upload_materials(parameters.layers);
+    materials = laws_of(parameters.layers);
     generate_particles(particles, mesh, parameters, 9.81);
     if (stressed)
       stress();

@@ -55,7 +55,7 @@ TYPED_TEST(InitialStress, BalancesTheWeightOfLayers)
   const NodalVector force = system->make_nodal_vector();
   std::array<double, 3> gravity{};
   gravity[dim - 1] = -9.81;
-  update_stress_and_force<dim>(particles.arrays(), parts.stencils, test::upload_materials(parameters.layers),
+  update_stress_and_force<dim>(particles.arrays(), parts.stencils, test::laws_of(parameters.layers),
                                system->make_nodal_vector(), force);
   add_weight<dim>(particles.arrays(), parts.stencils, gravity, -1., force);
   TpetraVector residual(system->graph().row_map);

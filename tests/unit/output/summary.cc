@@ -34,7 +34,6 @@ TEST(Summary, HoldsTheRun)
   summary.seconds = {{"assembly", 1.5}, {"solve", 2.25}};
   summary.total_seconds = 4.;
   summary.peak_memory = 2.5e9;
-  summary.bytes_per_particle = 35000.;
   const Json json = write_and_parse(summary);
 
   EXPECT_EQ(json["version"], "0.1.0");
@@ -51,7 +50,6 @@ TEST(Summary, HoldsTheRun)
   EXPECT_EQ(json["wall time"]["total"], 4.);
   EXPECT_EQ(json["wall time"]["phases"]["solve"], 2.25);
   EXPECT_EQ(json["peak memory"], 2.5e9);
-  EXPECT_EQ(json["bytes per material point"], 35000.);
 }
 
 TEST(Summary, EmptyRunKeepsItsShape)

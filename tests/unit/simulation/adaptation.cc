@@ -70,7 +70,8 @@ template <int dim> struct SlabInSoil
   bool adapt()
   {
     passes = 0;
-    return adapt_mesh<dim>(mesh, particles, {bodies, adaptivity, points_per_axis, particle_cost}, [&] { ++passes; });
+    return adapt_mesh<dim>(mesh, particles, {bodies, adaptivity, points_per_axis, particle_cost},
+                           {[&] { ++passes; }, [] {}});
   }
 
   std::vector<Cell<dim>> cells() const

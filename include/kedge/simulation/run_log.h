@@ -1,0 +1,59 @@
+// What a user sees of a run: the terminal and summary.json.
+#pragma once
+
+#include <chrono>
+#include <kedge/base/report.h>
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/output/summary.h>
+#include <kedge/simulation/simulation.h>
+#include <kedge/solvers/newton.h>
+#include <kedge/time/clock.h>
+
+namespace kedge
+{
+/// What there is at the end of a step, over all ranks.
+struct StepState
+{
+  unsigned int step = 1;                ///< global counter
+  long long particles = 0, deleted = 0; ///< now; since the run began
+  long long dofs = 0;                   ///< of the step just solved
+  double penetration = 0.;              ///< deepest, m
+};
+
+/// "1.20e-01 3.40e-05", the residuals of a step.
+std::string format_residuals(const NewtonReport& newton);
+
+/// Speaks on rank 0 only. Collective where it says so.
+class RunLog
+{
+public:
+  RunLog(const Input& input, const RunOptions& options);
+
+  Report& report() { return terminal; }
+  Timings& timings() { return clock_of_phases; }
+  /// Converged steps of the present stage.
+  unsigned int steps_in_stage() const { return summary.stages.back().steps; }
+
+  /// Writes a first summary, so that a reader knows where the bodies start. Collective.
+  void begin_stage(const RigidSystems& bodies);
+  /// Counts an attempt at a step, converged or not.
+  void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
+  void progress(const NewtonReport& newton, const Clock& clock, const StepState& state);
+  /// `cells` hold soil; `particle_bytes` and `basis_bytes` are what this rank's particles and stencils take.
+  /// Collective.
+  void end_stage(const StepState& state, long long cells, double particle_bytes, double basis_bytes);
+  /// Writes summary.json with "finished" or what went wrong. Collective.
+  void finish(const std::string& status);
+
+private:
+  void write(const std::string& status);
+
+  const Input& input;
+  const RunOptions& options;
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  Report terminal;
+  Timings clock_of_phases;
+  RunSummary summary;
+  long long deleted_before = 0; ///< in earlier stages
+};
+} // namespace kedge

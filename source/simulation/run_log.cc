@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <filesystem>
+#include <fmt/format.h>
+#include <kedge/base/communication.h>
+#include <kedge/simulation/run_log.h>
+#include <kedge/simulation/version.h>
+
+namespace kedge
+{
+std::string format_residuals(const NewtonReport& newton)
+{
+  std::string text;
+  for (const double residual : newton.residuals)
+    text += fmt::format("{}{:.2e}", text.empty() ? "" : " ", residual);
+  return text;
+}
+
+RunLog::RunLog(const Input& input_, const RunOptions& options_)
+    : input(input_), options(options_), terminal(rank_of(MPI_COMM_WORLD) == 0, options_.quiet)
+{
+  summary.version = version();
+  summary.input_file = options.input_file;
+  summary.back_end = back_end();
+  summary.gpu_requested = input.gpu;
+  summary.ranks = size_of(MPI_COMM_WORLD);
+  summary.libraries = library_versions();
+  if (input.gpu && back_end() != "Cuda" && back_end() != "HIP")
+    terminal.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
+}
+
+void RunLog::begin_stage(const RigidSystems& bodies)
+{
+  StageSummary stage;
+  stage.type = "static";
+  for (const RigidPoint& point : bodies.points)
+    stage.start_positions.push_back({{point.pose.position[0], point.pose.position[1], point.pose.position[2]}});
+  summary.stages.push_back(stage);
+  write("running");
+}
+
+void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)
+{
+  StageSummary& counts = summary.stages.back();
+  counts.steps += newton.converged;
+  counts.cuts = clock.cuts();
+  counts.newton_iterations += newton.iterations;
+  counts.krylov_iterations += newton.krylov_iterations;
+  if (options.verbose)
+    terminal.line(fmt::format("step {} {}: {} Krylov iterations, residuals {}", step,
+                              newton.converged ? "converged" : newton.failure, newton.krylov_iterations,
+                              format_residuals(newton)));
+}
+
+void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepState& state)
+{
+  StageSummary& stage = summary.stages.back();
+  stage.penetration = std::max(stage.penetration, state.penetration);
+  Progress shown;
+  shown.stage = summary.stages.size();
+  shown.n_stages = input.stages.size();
+  shown.time = clock.steps_done() / clock.requested_steps();
+  shown.step = state.step;
+  shown.increment = clock.step_fraction() / clock.requested_steps();
+  shown.newton_iterations = newton.iterations;
+  shown.krylov_iterations = newton.krylov_iterations;
+  shown.cuts = clock.cuts();
+  shown.deleted = state.deleted;
+  shown.particles = state.particles;
+  terminal.progress(shown);
+}
+
+void RunLog::end_stage(const StepState& state, const long long cells, const double particle_bytes,
+                       const double basis_bytes)
+{
+  terminal.end_progress();
+  const MPI_Comm world = MPI_COMM_WORLD;
+  StageSummary& stage = summary.stages.back();
+  stage.particles = state.particles;
+  stage.dofs = state.dofs;
+  stage.cells = cells;
+  stage.deleted = state.deleted - deleted_before;
+  deleted_before = state.deleted;
+  const double n = std::max(1ll, state.particles);
+  stage.particle_bytes = sum_over_ranks(particle_bytes, world) / n;
+  stage.basis_bytes = sum_over_ranks(basis_bytes, world) / n;
+}
+
+void RunLog::finish(const std::string& status)
+{
+  terminal.end_progress();
+  write(status);
+  if (status == "finished")
+    terminal.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
+}
+
+void RunLog::write(const std::string& status)
+{
+  summary.status = status;
+  summary.warnings = terminal.warnings();
+  summary.seconds = clock_of_phases.seconds();
+  summary.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  summary.peak_memory = max_over_ranks(peak_memory(), MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0)
+    write_summary(summary, (std::filesystem::path(options.output_directory) / "summary.json").string());
+}
+} // namespace kedge
