@@ -92,7 +92,7 @@ def _plot_resistance(run, target, options, caption):
     if options.area is not None and not options.area > 0.:
         raise PlotError(f"--area {options.area:g}: an area is positive")
     curve = resistance_curve(run.body_history(), options.body, options.axis, options.stage, options.factor,
-                             options.zero)
+                             options.zero, run.start_of(options.body))
     fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
     path = target / f"resistance_body{options.body}_{curve.axis}.png"
     draw_resistance(curve, path, options.area, fit, caption)

@@ -15,12 +15,12 @@ class Curve:
     body: int
 
 
-def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=False):
+def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=False, start=None):
     """The curve from the columns of rigid_body.csv.
 
     axis: x, y or z; default: the one along which the body moves most. stage: its rows only (default: all), where the
     displacement counts from the end of the stage before. factor: 2 for a half model. zero: count the force from its
-    first value.
+    first value. start: where the body was before the first row; default: at the first row.
     """
     def column(field, axis):
         name = f"body{body}_{field}_{axis}"
@@ -38,7 +38,10 @@ def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=Fal
         first = max(np.flatnonzero(rows)[0] - 1, 0)
     if axis is None:
         axis = max("xyz", key=lambda a: np.ptp(column("position", a)[rows]))
-    travel = column("position", axis) - column("position", axis)[first]
+    origin = column("position", axis)[first]
+    if start is not None and stage in (None, 1):
+        origin = start["xyz".index(axis)]
+    travel = column("position", axis) - origin
     force = factor * column("reaction force", axis)
     if zero:
         force = force - force[first]

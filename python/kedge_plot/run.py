@@ -28,6 +28,12 @@ class Run:
         except (OSError, ValueError) as error:
             raise PlotError(f"{path}: cannot be read ({error})") from error
 
+    def start_of(self, body):
+        """Position of a body at the start of the first stage; None where the summary does not say."""
+        stages = self.summary().get("stages") or [{}]
+        points = stages[0].get("rigid points at start", [])
+        return points[body - 1] if 0 < body <= len(points) else None
+
     def body_history(self):
         """The columns of rigid_body.csv by name."""
         paths = sorted(self.folder.rglob("rigid_body.csv"))

@@ -232,6 +232,11 @@ class ResistanceCurve(TemporaryFolder):
         curve = resistance_curve(columns, factor=2., zero=True)
         np.testing.assert_array_equal(curve.force, [0., 2., 4., 6.])
 
+    def test_displacement_counts_from_the_start(self):
+        columns = self.columns(body1_position_x=np.array([1., 2., 3., 5.]))
+        curve = resistance_curve(columns, axis="x", start=[0.5, 0., 0.])
+        np.testing.assert_array_equal(curve.displacement, [0.5, 1.5, 2.5, 4.5])
+
     def test_missing_body_is_named(self):
         with self.assertRaisesRegex(PlotError, "body2_position_x.*bodies in it: body1"):
             resistance_curve(self.columns(), body=2)

@@ -8,8 +8,8 @@ namespace
 {
 constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
-constexpr unsigned int max_trials = 6;
-constexpr double slack = 0.8;        // share of the work along a step that may remain
+constexpr unsigned int max_trials = 8;
+constexpr double slack = 0.7;        // share of the work along a step that may remain
 constexpr double growth_limit = 10.; // of the residual in a step accepted for its work
 constexpr double hopeless = 1e8;     // growth of the residual over its start that no further iteration repairs
 
@@ -28,6 +28,45 @@ double choose_linear_tolerance(const std::vector<double>& residuals, const doubl
   // Overshooting the target is wasted work; a tenth of it leaves room for the nonlinear part.
   tolerance = std::max(tolerance, 0.1 * target / now);
   return std::clamp(tolerance, tightest, loosest);
+}
+
+/// x - step dx: its residual, and the work of the residual along dx.
+struct TrialStep
+{
+  double step, measure, work;
+};
+
+/// Seeks a step at which the work of the residual along it has vanished but for a share (Matthies & Strang 1979, Int.
+/// J. Numer. Meth. Eng. 14), from a full step that overshoots: regula falsi between `start` and `full`. Where contacts
+/// close or soil yields on the way, the residual norm would only fall for tiny steps; the step at which they have taken
+/// over the load lets the next tangent know of them.
+template <typename Evaluate> TrialStep search_line(const Evaluate& at, const TrialStep& full, const TrialStep& start)
+{
+  const auto accepted = [&](const TrialStep& trial)
+  { return std::abs(trial.work) <= slack * std::abs(start.work) && trial.measure < growth_limit * start.measure; };
+  TrialStep now = full, low = start, high = full, best = full;
+  for (unsigned int trial = 0; trial < max_trials && !accepted(now); ++trial)
+  {
+    const double share = low.work / (low.work - high.work);
+    const double inside = std::isfinite(share) && high.work < 0. ? std::clamp(share, 0.1, 0.9) : 0.25;
+    now = at(low.step + inside * (high.step - low.step));
+    if (std::abs(now.work) < std::abs(best.work) || !std::isfinite(best.measure))
+      best = now;
+    if (now.work > 0. && high.work < 0.)
+      low = now;
+    else
+      high = now;
+  }
+  return accepted(now) || now.step == best.step ? now : at(best.step);
+}
+
+/// Where the tangent is so unsymmetric that work says nothing: the longest step without a new highest residual.
+template <typename Evaluate> TrialStep halve_step(const Evaluate& at, const TrialStep& full, const double highest)
+{
+  TrialStep now = full;
+  for (unsigned int trial = 0; trial < max_trials && !(now.measure <= highest); ++trial)
+    now = at(0.5 * now.step);
+  return now;
 }
 } // namespace
 
@@ -67,33 +106,18 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return report;
     }
 
-    // Two ways to accept a step: the residual falls (Armijo), or the work of the residual along the step has all but
-    // vanished (Matthies & Strang 1979). The first alone would creep where stiff contacts switch, for the norm sees
-    // little else; the second alone may leave the region where Newton converges.
-    double step = 1., best_step = 1., best_work = INFINITY;
-    const double start = measure, start_work = dx.dot(residual);
-    for (unsigned int trial_number = 0;; ++trial_number)
+    const double work = dx.dot(residual);
+    const auto at = [&](const double step)
     {
       trial.update(1., x, -step, dx, 0.);
-      measure = problem.residual(trial, trial_residual);
-      const double work = std::isfinite(measure) ? dx.dot(trial_residual) : INFINITY;
-      if (std::abs(work) < best_work)
-      {
-        best_work = std::abs(work);
-        best_step = step;
-      }
-      if (!parameters.line_search || measure <= (1. - armijo * step) * start ||
-          (std::abs(work) <= slack * std::abs(start_work) && measure < growth_limit * start) ||
-          trial_number == max_trials)
-        break;
-      const double secant = start_work / (start_work - work);
-      step *= std::isfinite(secant) ? std::clamp(secant, 0.1, 0.5) : 0.25;
-    }
-    if (parameters.line_search && best_step != step && std::isfinite(best_work))
-    {
-      trial.update(1., x, -best_step, dx, 0.);
-      measure = problem.residual(trial, trial_residual);
-    }
+      const double trial_measure = problem.residual(trial, trial_residual);
+      return TrialStep{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
+    };
+    const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
+    TrialStep step = at(1.);
+    if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
+      step = work > 0. ? search_line(at, step, {0., measure, work}) : halve_step(at, step, highest);
+    measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);
     report.residuals.push_back(measure);

@@ -30,6 +30,7 @@ struct NewtonProblem
 };
 
 /// Finds r(x) = 0 from the given x by x <- x - alpha dx. The linear tolerance follows Eisenstat & Walker 1996
-/// (SIAM J. Sci. Comput. 17(1), choice 2); the line search halves alpha until the residual norm decreases (Armijo).
+/// (SIAM J. Sci. Comput. 17(1), choice 2). A full step that lowers the residual norm is taken; otherwise alpha is
+/// sought where the work of the residual along the step has all but vanished (Matthies & Strang 1979).
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters);
 } // namespace kedge

@@ -9,10 +9,7 @@
 
 namespace input_files
 {
-inline std::filesystem::path root()
-{
-  return std::filesystem::path(__FILE__).parent_path().parent_path().parent_path().parent_path();
-}
+inline std::filesystem::path root() { return KEDGE_ROOT; }
 
 inline std::string contents(const std::filesystem::path& file)
 {
