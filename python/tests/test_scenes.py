@@ -50,8 +50,9 @@ class Column(RunCase):
         start = (np.arange(n) + 0.5) / n
         x = column.exact_height(start, 1., 50., 200.)
         return self.make_run({"initial position_z": start, "position_z": x,
-                              "stress_zz": -50. * (1. - start) + stress_error, "lp_z": np.zeros(n)},
-                             scene=soil(1., 200., 5.), name=name)
+                              "stress_zz": -50. * (1. - start) + stress_error, "lp_z": np.zeros(n),
+                              "initial volume": np.ones(n)},
+                             scene={**soil(1., 200., 5.), "analysis": [{"load steps": 1}]}, name=name)
 
     def test_exact_height_agrees_with_summed_slices(self):
         middle = (np.arange(20000) + 0.5) / 20000
@@ -73,6 +74,16 @@ class Column(RunCase):
         runs = [self.exact_run(8, error, str(error)) for error in (0.8, 0.2, 0.1)]
         self.assertAlmostEqual(column.lowest_order(*runs), 1.)
 
+    def test_mean_error_weighs_by_volume(self):
+        run = self.make_run({"initial position_z": [0.5, 1.], "stress_zz": [-25., 0.5], "initial volume": [3., 1.]},
+                            scene=soil(1., 200., 5.))
+        self.assertAlmostEqual(column.mean_stress_error(run), 0.0025)
+
+    def test_jump_is_the_largest_difference_near_the_interface(self):
+        # rows at the final heights 0.10, 0.31, 0.53, 0.79
+        runs = [self.exact_run(4, np.array(error), str(error)) for error in ([9., 0., 2., 0.], [0., 0., 4., 0.])]
+        self.assertAlmostEqual(column.jump_ratio(*runs, interface=0.42, distance=0.1), 0.5)
+
     def test_difference_to_given_stresses(self):
         run = self.make_run({"initial position_z": [0.1, 0.1, 0.3], "stress_zz": [-100., -101., -50.]})
         self.assertAlmostEqual(column.stress_difference(run, [0.1, 0.3], [100., 50.]), 0.01)
@@ -84,7 +95,8 @@ class Cube(RunCase):
         scene = soil(1., 1e4, 0.)
         scene["rigid bodies"] = [{"points": [{"position": [0, 0, 3.], "mass": 2.}]}]
         run = self.make_run({"initial position_z": [0.25, 0.75], "position_z": [0.125, 0.375], "lp_z": [0.125, 0.125],
-                             "stress_zz": [-stress, -stress], "contact gap": [np.nan, -0.002]},
+                             "stress_zz": [-stress, -stress], "contact gap": [np.nan, -0.002],
+                             "initial volume": [0.5, 0.5]},
                             {"body1_position_z": [2.5], "body1_reaction force_z": [20. - 6. * stress]}, scene)
         self.assertLess(cube.hencky_error(run), 1e-12)
         self.assertLess(cube.balance_error(run), 1e-12)

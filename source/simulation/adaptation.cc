@@ -11,8 +11,9 @@ namespace
 /// Work of the busiest rank over the mean above which a repartition pays.
 constexpr double worst_imbalance = 1.1;
 
-/// A surface in a cell's face counts as crossing the cells on both sides: a body that rests on the soil is such a one.
-constexpr double touching = 1e-9; // of the cell's edge
+/// A surface in a cell's face counts as crossing the cells on both sides: a body that rests on the soil is such a one,
+/// and an STL file places it in single precision.
+constexpr double touching = 1e-4; // of the cell's edge
 
 template <int dim>
 double wanted_size(const AdaptationTarget& target, const double base_size, const std::array<double, dim>& corner,

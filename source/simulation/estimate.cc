@@ -1,53 +1,170 @@
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <kedge/particles/generation.h>
+#include <kedge/particles/splitting.h>
+#include <kedge/simulation/adaptation.h>
+#include <kedge/simulation/burial.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/layout.h>
+#include <set>
 
 namespace kedge
 {
 namespace
 {
-// Measured on one core with eight particles a cell; see benchmarks/speed.
-constexpr double newton_iterations = 5.;
-constexpr double seconds_per_particle = 12e-6; ///< and Newton iteration: stress, tangent, scatter
-constexpr double seconds_per_dof = 40e-6;      ///< and Newton iteration: linear solver
+// Measured on one core with eight particles a cell that see 27 nodes; see benchmarks/speed.
+constexpr double newton_iterations = 8.;
+constexpr double seconds_per_particle = 4e-6; ///< and Newton iteration: stress, tangent, scatter
+constexpr double seconds_per_dof = 25e-6;     ///< and Newton iteration: linear solver
+constexpr double bytes_of_program = 0.2e9;
 constexpr double bytes_per_particle = 2000.;
 constexpr double bytes_per_dof = 12. * 375. * 2.; ///< matrix rows and the multigrid hierarchy
 
-template <int dim> std::vector<StageEstimate> estimate(const Input& input)
+/// What a stage begins with.
+struct Contents
+{
+  double cells = 0., nodes = 0., particles = 0.;
+  bool counting_stopped = false;
+};
+
+template <int dim> Contents count_base_cells(const Input& input)
 {
   const GridLayout<dim> grid = make_grid_layout<dim>(input);
   const MaterialPointParameters& soil = input.material_points;
-  const double rows =
+  Contents contents;
+  contents.particles =
       make_rows(grid.base_size / soil.points_per_axis, grid.soil_extent[dim - 1], soil.layers, 1.).size();
-  double columns = 1., cells = std::ceil(grid.soil_extent[dim - 1] / grid.base_size - 1e-9), nodes = cells + 1.;
+  contents.cells = std::ceil(grid.soil_extent[dim - 1] / grid.base_size - 1e-9);
+  contents.nodes = contents.cells + 1.;
   for (unsigned int d = 0; d < dim - 1; ++d)
   {
-    columns *= static_cast<double>(grid.base_cells[d]) * soil.points_per_axis;
-    cells *= grid.base_cells[d];
-    nodes *= grid.base_cells[d] + 1.;
+    contents.particles *= static_cast<double>(grid.base_cells[d]) * soil.points_per_axis;
+    contents.cells *= grid.base_cells[d];
+    contents.nodes *= grid.base_cells[d] + 1.;
   }
-  std::vector<StageEstimate> stages;
-  for (const Stage& stage : input.stages)
+  return contents;
+}
+
+bool is_refined(const Stage& stage)
+{
+  return stage.rigid_bodies && stage.adaptivity.type == AdaptivityType::rigid_body_surface;
+}
+
+/// The soil at rest on the mesh that the bodies refine, without a solution.
+template <int dim> class RefinedSoil
+{
+public:
+  RefinedSoil(const Input& input_, const double most_particles_)
+      : input(input_),
+        most_particles(most_particles_),
+        mesh(MPI_COMM_SELF, make_grid_layout<dim>(input_)),
+        particles(mesh),
+        bodies(make_rigid_systems(input_.systems, dim))
   {
-    StageEstimate estimate;
-    estimate.cells = cells;
-    estimate.dofs = dim * nodes;
-    estimate.particles = rows * columns;
-    estimate.steps = stage.stepping.load_steps;
-    estimate.memory = bytes_per_particle * estimate.particles + bytes_per_dof * estimate.dofs;
-    estimate.seconds = estimate.steps * newton_iterations *
-                       (seconds_per_particle * estimate.particles + seconds_per_dof * estimate.dofs);
-    stages.push_back(estimate);
+    generate_particles(particles, mesh, input.material_points, 0.);
+    particles.load();
   }
-  return stages;
+
+  void begin(const Stage& stage)
+  {
+    apply_conditions(bodies, input.systems, stage.point_conditions, dim);
+    if (stage.rigid_bodies && stage.surface_placement)
+      place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
+    if (is_refined(stage))
+      refine(stage.adaptivity);
+    if (stage.rigid_bodies && stage.wished_in_place)
+      remove_buried_particles(particles, bodies);
+  }
+
+  void end(const Stage& stage)
+  {
+    if (stage.rigid_bodies)
+      for (RigidPoint& point : bodies.points)
+        for (unsigned int step = 0; step < stage.stepping.load_steps; ++step)
+          point.pose = point.pose.moved(point.prescribed_increment(1.));
+  }
+
+  Contents contents() const
+  {
+    const LeafTable<dim>& table = mesh.leaves();
+    const std::set<unsigned int> cells(particles.leaves().begin(), particles.leaves().end());
+    std::set<unsigned int> nodes;
+    for (const unsigned int cell : cells)
+    {
+      const auto& leaf = table.leaves[cell];
+      const auto first = table.nodes.begin() + leaf.node_begin;
+      nodes.insert(first, first + leaf.n_nodes);
+    }
+    return {double(cells.size()), double(nodes.size()), double(particles.n_global()), counting_stopped};
+  }
+
+private:
+  /// Level by level, to stop in time.
+  void refine(const Adaptivity& adaptivity)
+  {
+    const unsigned int points_per_axis = input.material_points.points_per_axis;
+    const AdaptationHooks hooks{[&] { split_particles(particles, mesh, points_per_axis); }, [] {}};
+    Adaptivity level = adaptivity;
+    for (double size = mesh.layout().base_size; size > adaptivity.element_size && !counting_stopped;)
+    {
+      size *= 0.5;
+      level.element_size = std::max(size, adaptivity.element_size);
+      level.element_size_in_region = std::max(size, adaptivity.element_size_in_region);
+      adapt_mesh<dim>(mesh, particles, {bodies, level, points_per_axis, 1.}, hooks);
+      counting_stopped = size > adaptivity.element_size && particles.n_global() > most_particles;
+    }
+  }
+
+  const Input& input;
+  double most_particles;
+  BackgroundMesh<dim> mesh;
+  ParticleSet<dim> particles;
+  RigidSystems bodies;
+  bool counting_stopped = false;
+};
+
+/// By stage.
+template <int dim> std::vector<Contents> count_contents(const Input& input, const double most_particles)
+{
+  std::vector<Contents> contents(input.stages.size(), count_base_cells<dim>(input));
+  if (std::none_of(input.stages.begin(), input.stages.end(), is_refined))
+    return contents;
+  if (contents.front().particles > most_particles)
+  {
+    for (std::size_t i = 0; i < contents.size(); ++i)
+      contents[i].counting_stopped = is_refined(input.stages[i]);
+    return contents;
+  }
+  RefinedSoil<dim> soil(input, most_particles);
+  for (std::size_t i = 0; i < contents.size(); ++i)
+  {
+    soil.begin(input.stages[i]);
+    contents[i] = soil.contents();
+    soil.end(input.stages[i]);
+  }
+  return contents;
 }
 } // namespace
 
-std::vector<StageEstimate> estimate_cost(const Input& input)
+std::vector<StageEstimate> estimate_cost(const Input& input, const double most_particles)
 {
-  return input.dimension == 2 ? estimate<2>(input) : estimate<3>(input);
+  const std::vector<Contents> contents =
+      input.dimension == 2 ? count_contents<2>(input, most_particles) : count_contents<3>(input, most_particles);
+  std::vector<StageEstimate> stages(input.stages.size());
+  for (std::size_t i = 0; i < stages.size(); ++i)
+  {
+    StageEstimate& stage = stages[i];
+    stage.cells = contents[i].cells;
+    stage.dofs = input.dimension * contents[i].nodes;
+    stage.particles = contents[i].particles;
+    stage.counting_stopped = contents[i].counting_stopped;
+    stage.steps = input.stages[i].stepping.load_steps;
+    stage.memory = bytes_of_program + bytes_per_particle * stage.particles + bytes_per_dof * stage.dofs;
+    stage.seconds =
+        stage.steps * newton_iterations * (seconds_per_particle * stage.particles + seconds_per_dof * stage.dofs);
+  }
+  return stages;
 }
 
 std::string format_estimate(const Input& input, const std::vector<StageEstimate>& stages)
@@ -63,6 +180,9 @@ std::string format_estimate(const Input& input, const std::vector<StageEstimate>
                         : stage.seconds < 3600. ? fmt::format("{:.0f} min", stage.seconds / 60.)
                                                 : fmt::format("{:.1f} h", stage.seconds / 3600.));
   }
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (stages[i].counting_stopped)
+      text += fmt::format("stage {} costs more than that: its refined cells are too many to count here\n", i + 1);
   return text;
 }
 } // namespace kedge

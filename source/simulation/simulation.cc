@@ -9,6 +9,7 @@
 #include <kedge/particles/merging.h>
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
+#include <kedge/simulation/burial.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/simulation.h>
@@ -54,7 +55,6 @@ private:
   void write_output(const Clock& clock, bool even_if_not_due);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
   void end_stage();
-  void remove_buried_particles();
 
   const Input& input;
   const Stage* stage = nullptr;
@@ -134,21 +134,10 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   if (!stage->rigid_bodies || !stage->wished_in_place)
     return;
   adapt(); // the finer the cells, the smaller the steps of the hole
-  remove_buried_particles();
-  take_reference_gaps = true;
-}
-
-template <int dim> void Simulation<dim>::remove_buried_particles()
-{
-  const long long removed = particles.remove_if(
-      [this](const auto& particle)
-      {
-        const dealii::Point<dim> x = particle.get_location();
-        return is_inside(bodies, dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]));
-      });
+  const long long removed = remove_buried_particles(particles, bodies);
   deleted += removed;
-  particles.load();
   log.report().line(fmt::format("{} material points inside buried bodies removed", removed));
+  take_reference_gaps = true;
 }
 
 template <int dim> void Simulation<dim>::run_stage()

@@ -9,15 +9,18 @@ namespace kedge
 {
 struct StageEstimate
 {
-  double cells, dofs, particles; ///< cells that hold soil, unknowns, material points
-  unsigned int steps;
-  double memory;  ///< bytes over all ranks
-  double seconds; ///< on one core
+  double cells = 0., dofs = 0., particles = 0.; ///< cells that hold soil, unknowns, material points
+  bool counting_stopped = false;                ///< the cells at the surfaces are more than these
+  unsigned int steps = 0;
+  double memory = 0.;  ///< bytes on one rank
+  double seconds = 0.; ///< on one core
 };
 
-/// Counts cells, unknowns and material points from the sizes alone. Time and memory come from rates measured on one
-/// core of a server; they tell minutes from hours, no more.
-std::vector<StageEstimate> estimate_cost(const Input& input);
+/// Counts cells, unknowns and material points at the start of every stage. Where bodies refine the mesh, it is built
+/// around them, where their prescribed motion takes them; what they refine on their way and the soil's motion are left
+/// out. Counting stops before the next level of refinement where there are more than `most_particles`. Time and memory
+/// come from rates measured on one core of a server; they tell minutes from hours, no more.
+std::vector<StageEstimate> estimate_cost(const Input& input, double most_particles = 1e6);
 
 /// The table that `kedge check` prints.
 std::string format_estimate(const Input& input, const std::vector<StageEstimate>& stages);

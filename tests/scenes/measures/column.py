@@ -44,8 +44,28 @@ def largest_stress_error(run):
 
 
 def mean_stress_error(run):
-    """Sum |sigma - exact| V0 / (rho g L sum V0); all material points have the same V0."""
-    return np.mean(np.abs(_stress_errors(run)))
+    """Sum |sigma - exact| V0 / (rho g L sum V0)."""
+    return np.average(np.abs(_stress_errors(run)), weights=run.points("initial volume"))
+
+
+def _largest_jump(run, interface, distance):
+    """Over all steps written, over the final base stress."""
+    length, weight, _ = _case(run)
+    steps, largest = run.input["analysis"][0]["load steps"], 0.
+    for step in run.steps():
+        start, load = run.points("initial position_z", step), (step - 1) / steps
+        _, rows = np.unique(np.round(start / length, 6), return_index=True)
+        error = (run.points("stress_zz", step) / weight + load * (length - start))[rows] / length
+        height = run.points("position_z", step)[rows]
+        near = np.abs((height[1:] + height[:-1]) / 2. - interface) < distance
+        largest = max(largest, *np.abs(np.diff(error))[near])
+    return largest
+
+
+def jump_ratio(first, second, interface, distance):
+    """Largest jump of the stress error between neighbouring rows of material points whose mean height is nearer to the
+    interface (a height, m) than the distance (m): first run over second."""
+    return _largest_jump(first, interface, distance) / _largest_jump(second, interface, distance)
 
 
 def largest_height_error(run):

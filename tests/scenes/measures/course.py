@@ -18,6 +18,11 @@ def cuts(*runs):
     return sum(stage["cuts"] for run in runs for stage in run.summary["stages"])
 
 
+def deepest_penetration(*runs):
+    """Of any corner into a body, at the end of any step, m."""
+    return max(stage["deepest penetration"] for run in runs for stage in run.summary["stages"])
+
+
 def largest_difference(first, second, columns):
     """Largest difference between two runs in the given columns of the material points, over each column's largest
     value."""

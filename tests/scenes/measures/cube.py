@@ -11,8 +11,15 @@ def _case(run):
 
 
 def _mean_stress(run):
-    """Compressive; material points of equal mass."""
-    return -np.mean(run.points("stress_zz"))
+    """Compressive, over the initial volume."""
+    return -np.average(run.points("stress_zz"), weights=run.points("initial volume"))
+
+
+def _contact_force(run):
+    """The reaction moves the platen and carries its weight; the rest of it presses on the soil. N"""
+    point = run.input["rigid bodies"][0]["points"][0]
+    own_weight = point["mass"] * abs(run.input["domain"]["gravity"][-1])
+    return own_weight - run.body("body1_reaction force_z")[-1]
 
 
 def reached_height(run):
@@ -36,11 +43,7 @@ def spread(run):
 def balance_error(run):
     """Relative difference of contact force / area + half the soil's weight / area to the mean stress."""
     start, area, weight, _ = _case(run)
-    point = run.input["rigid bodies"][0]["points"][0]
-    # The reaction moves the platen and carries its weight; the rest of it presses on the soil.
-    own_weight = point["mass"] * abs(run.input["domain"]["gravity"][-1])
-    force = own_weight - run.body("body1_reaction force_z")[-1]
-    return abs((force / area + weight * start / 2.) / _mean_stress(run) - 1.)
+    return abs((_contact_force(run) / area + weight * start / 2.) / _mean_stress(run) - 1.)
 
 
 def penetration(run):
@@ -50,3 +53,18 @@ def penetration(run):
     face = start + run.body("body1_position_z")[-1] - point["position"][2]
     by_corner = -np.nanmin(run.points("contact gap"))
     return max(by_corner, np.max(run.points("position_z") + run.points("lp_z")) - face)
+
+
+def mean_stress_difference(first, second):
+    """Relative."""
+    return abs(_mean_stress(first) / _mean_stress(second) - 1.)
+
+
+def contact_force_difference(first, second):
+    """Relative."""
+    return abs(_contact_force(first) / _contact_force(second) - 1.)
+
+
+def penetration_difference(first, second):
+    """Relative."""
+    return abs(penetration(first) / penetration(second) - 1.)
