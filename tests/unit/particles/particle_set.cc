@@ -278,7 +278,7 @@ TYPED_TEST(Particles, KeepTheirDataWhenCellsAreRefinedAndCoarsened)
 TYPED_TEST(Particles, AreBalancedAfterRefinementInACorner)
 {
   constexpr double cost = 20.;
-  this->particles.remove_if([](const dealii::Point<TypeParam::value>& x) { return x[0] > 2.; });
+  this->particles.remove_if([](const auto& particle) { return particle.get_location()[0] > 2.; });
   auto& forest = this->mesh.triangulation();
   for (unsigned int pass = 0; pass < 2; ++pass)
   {
