@@ -88,7 +88,7 @@ template <int dim> double leaf_volume(const LeafTable<dim>& table, const unsigne
   return std::pow(table.leaves[leaf].size, dim);
 }
 
-/// Leaves across a face (axis, upper or lower side): one, or 2^(dim-1) finer ones; none outside the grid.
+/// Leaves across a face (axis, upper or lower side): one, or 2^(dim-1) finer ones; none outside the window.
 template <int dim>
 std::vector<unsigned int> find_neighbours(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int axis,
                                           const bool upper)
@@ -101,7 +101,7 @@ std::vector<unsigned int> find_neighbours(const LeafTable<dim>& table, const uns
     for (unsigned int d = 0, bit = 0; d < dim; ++d)
       x[d] = cell.lower[d] +
              cell.size * (d == axis ? (upper ? 1. + across : -across) : ((quadrant >> bit++) & 1u ? 0.75 : 0.25));
-    if (const int found = table.find_leaf(x); found >= 0)
+    if (const int found = table.find_leaf(x); found >= 0 && table.in_window(table.leaves[found]))
       if (std::find(neighbours.begin(), neighbours.end(), unsigned(found)) == neighbours.end())
         neighbours.push_back(found);
   }

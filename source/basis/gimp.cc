@@ -74,8 +74,8 @@ const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<doub
 {
   for (unsigned int d = 0; d < dim; ++d)
   {
-    lower[d] = std::max(0., centre[d] - half_width[d]);
-    upper[d] = std::min(table.base_size * table.base_cells[d], centre[d] + half_width[d]);
+    lower[d] = std::max(table.lower_end(d), centre[d] - half_width[d]);
+    upper[d] = std::min(table.upper_end(d), centre[d] + half_width[d]);
   }
   candidates.clear();
   overlaps.clear();

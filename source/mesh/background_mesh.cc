@@ -137,6 +137,7 @@ BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>
     upper[d] = grid.extent(d);
   const std::vector<unsigned int> repetitions(grid.base_cells.begin(), grid.base_cells.end());
   dealii::GridGenerator::subdivided_hyper_rectangle(forest, repetitions, dealii::Point<dim>(), upper);
+  table.window.upper = grid.base_cells;
   update();
 }
 
@@ -155,7 +156,9 @@ template <int dim> void BackgroundMesh<dim>::update()
   const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);
   const dealii::IndexSet owned = nodes.locally_owned_dofs();
 
+  const Window<dim> window = table.window;
   table = LeafTable<dim>();
+  table.window = window;
   table.base_cells = grid.base_cells;
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();

@@ -4,6 +4,14 @@
 
 namespace kedge
 {
+template <int dim> bool LeafTable<dim>::in_window(const Leaf& leaf) const
+{
+  for (unsigned int d = 0; d < dim; ++d)
+    if (const double centre = leaf.lower[d] + 0.5 * leaf.size; centre < lower_end(d) || centre > upper_end(d))
+      return false;
+  return true;
+}
+
 template <int dim> int LeafTable<dim>::find_leaf(const std::array<double, dim>& x) const
 {
   std::int32_t entry = 0;

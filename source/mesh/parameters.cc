@@ -38,17 +38,20 @@ Section<Planes> planes_section(const std::string& side, Advance trailing)
       fixed_list<3>(choice<std::optional<FaceCondition>>(
                         {{"off", std::nullopt}, {"roller", FaceCondition::roller}, {"fixed", FaceCondition::fixed}}),
                     axes()),
-      "Condition on the plane, in place of that of the grid's face; \"off\": no plane on this axis");
+      "Condition on the plane, in place of that of the grid's face, where a plane that would lie beyond it stops; "
+      "\"off\": "
+      "no plane on this axis");
   section.required("distance", per_axis(&TrackPlane::distance), vector("m", not_negative()),
-                   "Distance from the bodies' extent, rounded outward to base cells");
+                   "Distance from the bodies' extent, that of their surfaces, rounded outward to base cells");
   section.required(
       "advance", per_axis(&TrackPlane::advance),
       fixed_list<3>(
           choice<Advance>({{"positive", Advance::positive}, {"negative", Advance::negative}, {"both", Advance::both}}),
           axes()),
-      "Ways the plane may move along its axis");
-  section.required("remove", per_axis(&TrackPlane::remove), fixed_list<3>(yes_no(), axes()),
-                   "Whether the soil left behind is deleted; only on a trailing plane");
+      "Ways the plane may move along its axis after it was placed at the start of the stage");
+  section.required(
+      "remove", per_axis(&TrackPlane::remove), fixed_list<3>(yes_no(), axes()),
+      "\"yes\": the soil behind the plane is deleted, only on a trailing plane; \"no\": it waits as it is");
   section.check([trailing](const Planes& planes, const Place& place) { check_removal(planes, place, trailing); });
   return section;
 }

@@ -80,7 +80,7 @@ template <int dim> UnstructuredGrid soil_cells(const BackgroundMesh<dim>& mesh, 
 {
   UnstructuredGrid grid;
   grid.shape = box_shape<dim>;
-  std::vector<std::int32_t> levels;
+  std::vector<std::int32_t> levels, active;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     if (cell->is_locally_owned() && particles.handler().n_particles_in_cell(cell) > 0)
     {
@@ -92,8 +92,10 @@ template <int dim> UnstructuredGrid soil_cells(const BackgroundMesh<dim>& mesh, 
       }
       add_box<dim>(lower, upper, grid);
       levels.push_back(cell->level());
+      active.push_back(mesh.in_window(cell));
     }
   grid.cell_data.push_back({"level", 1, std::move(levels)});
+  grid.cell_data.push_back({"active", 1, std::move(active)});
   return grid;
 }
 

@@ -35,14 +35,17 @@ public:
       : mesh(mesh_), table(mesh.leaves()), count(table.leaves.size(), 0)
   {
     for (const auto& particle : particles.handler())
-      for (const unsigned int leaf : leaves_of(particle))
-        ++count[leaf];
+      if (is_active(particle))
+        for (const unsigned int leaf : leaves_of(particle))
+          ++count[leaf];
     send_to_owners();
     send_to_ghosts();
   }
 
   bool is_isolated(const typename ParticleSet<dim>::Accessor& particle) const
   {
+    if (!is_active(particle))
+      return false;
     const std::vector<unsigned int> own = leaves_of(particle);
     for (const unsigned int leaf : leaf_and_face_neighbours(mesh.leaf_number(particle.get_surrounding_cell())))
       if (count[leaf] > std::count(own.begin(), own.end(), leaf))
@@ -51,14 +54,19 @@ public:
   }
 
 private:
+  bool is_active(const typename ParticleSet<dim>::Accessor& particle) const
+  {
+    return mesh.in_window(particle.get_surrounding_cell());
+  }
+
   std::vector<unsigned int> leaves_of(const typename ParticleSet<dim>::Accessor& particle) const
   {
     Position lower, upper;
     for (unsigned int d = 0; d < dim; ++d)
     {
       const double half = particle.get_properties()[field::half_width + d];
-      lower[d] = particle.get_location()[d] - half;
-      upper[d] = particle.get_location()[d] + half;
+      lower[d] = std::max(table.lower_end(d), particle.get_location()[d] - half);
+      upper[d] = std::min(table.upper_end(d), particle.get_location()[d] + half);
     }
     std::vector<unsigned int> found;
     table.find_leaves(lower, upper, found);

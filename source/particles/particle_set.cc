@@ -17,7 +17,7 @@ template <int dim> std::array<double, dim> to_array(const dealii::Point<dim>& po
   return x;
 }
 
-/// Number of nodes of the leaves under a box. The box counts a little smaller, for its face may be a leaf's.
+/// Number of nodes of the active leaves under a box. The box counts a little smaller, for its face may be a leaf's.
 template <int dim>
 unsigned int count_nodes(const LeafTable<dim>& table, const dealii::Point<dim>& centre, const double* half_width,
                          std::vector<unsigned int>& workspace)
@@ -25,8 +25,8 @@ unsigned int count_nodes(const LeafTable<dim>& table, const dealii::Point<dim>& 
   std::array<double, dim> lower, upper;
   for (unsigned int d = 0; d < dim; ++d)
   {
-    lower[d] = centre[d] - (1. - 1e-6) * half_width[d];
-    upper[d] = centre[d] + (1. - 1e-6) * half_width[d];
+    lower[d] = std::max(table.lower_end(d), centre[d] - (1. - 1e-6) * half_width[d]);
+    upper[d] = std::min(table.upper_end(d), centre[d] + (1. - 1e-6) * half_width[d]);
   }
   workspace.clear();
   table.find_leaves(lower, upper, workspace);
@@ -65,9 +65,22 @@ ParticleSet<dim>::ParticleSet(BackgroundMesh<dim>& mesh_)
 {
 }
 
+/// Owned, in the window.
+template <int dim> std::vector<typename BackgroundMesh<dim>::Cell> ParticleSet<dim>::active_cells() const
+{
+  std::vector<typename BackgroundMesh<dim>::Cell> cells;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    if (cell->is_locally_owned() && mesh.in_window(cell))
+      cells.push_back(cell);
+  return cells;
+}
+
 template <int dim> void ParticleSet<dim>::load()
 {
-  const std::size_t n = particles.n_locally_owned_particles();
+  const auto cells = active_cells();
+  std::size_t n = 0;
+  for (const auto& cell : cells)
+    n += particles.n_particles_in_cell(cell);
   if (n != mirror.n || mirror.young.extent(0) != n)
     mirror = allocate_arrays(n);
   centre.resize(n);
@@ -84,28 +97,27 @@ template <int dim> void ParticleSet<dim>::load()
   auto stress = Kokkos::create_mirror_view(mirror.trial_stress);
 
   std::size_t p = 0;
-  for (const auto& cell : mesh.triangulation().active_cell_iterators())
-    if (cell->is_locally_owned())
-      for (const auto& particle : particles.particles_in_cell(cell))
+  for (const auto& cell : cells)
+    for (const auto& particle : particles.particles_in_cell(cell))
+    {
+      const double* data = particle.get_properties().data();
+      centre[p] = to_array<dim>(particle.get_location());
+      std::copy_n(data + field::half_width, dim, half_width[p].begin());
+      leaf[p] = mesh.leaf_number(cell);
+      id[p] = particle.get_id();
+      const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
+      for (unsigned int i = 0; i < 6; ++i)
       {
-        const double* data = particle.get_properties().data();
-        centre[p] = to_array<dim>(particle.get_location());
-        std::copy_n(data + field::half_width, dim, half_width[p].begin());
-        leaf[p] = mesh.leaf_number(cell);
-        id[p] = particle.get_id();
-        const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
-        for (unsigned int i = 0; i < 6; ++i)
-        {
-          b(p, i) = b_e[i];
-          strain(p, i) = data[field::elastic_strain + i];
-          stress(p, i) = data[field::stress + i];
-        }
-        young(p) = data[field::young];
-        volume(p) = data[field::initial_volume];
-        mass(p) = data[field::mass];
-        layer(p) = static_cast<unsigned int>(data[field::layer]);
-        ++p;
+        b(p, i) = b_e[i];
+        strain(p, i) = data[field::elastic_strain + i];
+        stress(p, i) = data[field::stress + i];
       }
+      young(p) = data[field::young];
+      volume(p) = data[field::initial_volume];
+      mass(p) = data[field::mass];
+      layer(p) = static_cast<unsigned int>(data[field::layer]);
+      ++p;
+    }
 
   Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
   Kokkos::deep_copy(mirror.young, young);
@@ -136,35 +148,34 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_plastic);
 
   std::size_t p = 0;
-  for (const auto& cell : mesh.triangulation().active_cell_iterators())
-    if (cell->is_locally_owned())
-      for (auto& particle : particles.particles_in_cell(cell))
-      {
-        double* data = particle.get_properties().data();
-        dealii::Point<dim> position = particle.get_location();
+  for (const auto& cell : active_cells())
+    for (auto& particle : particles.particles_in_cell(cell))
+    {
+      double* data = particle.get_properties().data();
+      dealii::Point<dim> position = particle.get_location();
+      for (unsigned int d = 0; d < dim; ++d)
+        position[d] += displacement(p, d);
+      particle.set_location(position);
+
+      double* F = data + field::deformation_gradient;
+      double updated[9] = {};
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          for (unsigned int k = 0; k < 3; ++k)
+            updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
+      std::copy_n(updated, 9, F);
+      if (domain_update == DomainUpdate::stretch)
         for (unsigned int d = 0; d < dim; ++d)
-          position[d] += displacement(p, d);
-        particle.set_location(position);
+          data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
 
-        double* F = data + field::deformation_gradient;
-        double updated[9] = {};
-        for (unsigned int i = 0; i < 3; ++i)
-          for (unsigned int j = 0; j < 3; ++j)
-            for (unsigned int k = 0; k < 3; ++k)
-              updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
-        std::copy_n(updated, 9, F);
-        if (domain_update == DomainUpdate::stretch)
-          for (unsigned int d = 0; d < dim; ++d)
-            data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
-
-        for (unsigned int i = 0; i < 6; ++i)
-        {
-          data[field::elastic_strain + i] = strain(p, i);
-          data[field::stress + i] = stress(p, i);
-        }
-        data[field::plastic_strain] += plastic(p);
-        ++p;
+      for (unsigned int i = 0; i < 6; ++i)
+      {
+        data[field::elastic_strain + i] = strain(p, i);
+        data[field::stress + i] = stress(p, i);
       }
+      data[field::plastic_strain] += plastic(p);
+      ++p;
+    }
   const long long before = particles.n_global_particles();
   particles.sort_particles_into_subdomains_and_cells();
   lost += before - static_cast<long long>(particles.n_global_particles());
@@ -200,13 +211,12 @@ template <int dim> std::vector<double> ParticleSet<dim>::cell_work(const double 
 {
   std::vector<double> work(mesh.triangulation().n_active_cells(), 1.);
   std::vector<unsigned int> workspace;
-  for (const auto& cell : mesh.triangulation().active_cell_iterators())
-    if (cell->is_locally_owned())
-      for (const auto& particle : particles.particles_in_cell(cell))
-        work[cell->active_cell_index()] +=
-            cost / LeafTable<dim>::n_vertices *
-            count_nodes<dim>(mesh.leaves(), particle.get_location(),
-                             particle.get_properties().data() + field::half_width, workspace);
+  for (const auto& cell : active_cells())
+    for (const auto& particle : particles.particles_in_cell(cell))
+      work[cell->active_cell_index()] +=
+          cost / LeafTable<dim>::n_vertices *
+          count_nodes<dim>(mesh.leaves(), particle.get_location(), particle.get_properties().data() + field::half_width,
+                           workspace);
   return work;
 }
 
@@ -223,10 +233,10 @@ template <int dim> long long ParticleSet<dim>::remove_if(const std::function<boo
 
 template <int dim> double ParticleSet<dim>::bytes() const
 {
-  const double handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
-  const double arrays =
+  const double in_handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
+  const double in_arrays =
       sizeof(double) * (6. + 3. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
-  return mirror.n * (handler + arrays);
+  return particles.n_locally_owned_particles() * in_handler + mirror.n * in_arrays;
 }
 
 template class ParticleSet<2>;

@@ -55,17 +55,25 @@ std::vector<double> find_largest_sizes(const BackgroundMesh<dim>& mesh, const Pa
   std::vector<double> largest(mesh.leaves().leaves.size(), std::numeric_limits<double>::infinity());
   if (adaptivity.merge) // particles follow the cells
     return largest;
-  for (std::size_t p = 0; p < particles.positions().size(); ++p)
+  for (const auto& particle : particles.handler()) // those outside the window too, for they may come back
   {
     double volume = 1.;
-    for (const double half : particles.half_widths()[p])
-      volume *= 2. * half;
-    double& allowed = largest[particles.leaves()[p]];
+    for (unsigned int d = 0; d < dim; ++d)
+      volume *= 2. * particle.get_properties()[field::half_width + d];
+    double& allowed = largest[mesh.leaf_number(particle.get_surrounding_cell())];
     allowed = std::min(allowed, std::sqrt(2.) * points_per_axis * std::pow(volume, 1. / dim));
   }
   return largest;
 }
 } // namespace
+
+template <int dim> bool balance_where_it_pays(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const double cost)
+{
+  if (particles.imbalance(cost) <= worst_imbalance)
+    return false;
+  particles.balance_load(mesh, cost);
+  return true;
+}
 
 template <int dim>
 bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const AdaptationTarget& target,
@@ -77,8 +85,7 @@ bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const Ad
   {
     particles.carry_through([&] { mesh.triangulation().execute_coarsening_and_refinement(); });
     hooks.split_particles();
-    if (particles.imbalance(target.particle_cost) > worst_imbalance)
-      particles.balance_load(mesh, target.particle_cost);
+    balance_where_it_pays(mesh, particles, target.particle_cost);
     particles.load();
     hooks.follow_particles();
   };
@@ -111,6 +118,8 @@ bool adapt_mesh(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const Ad
     }
 }
 
+template bool balance_where_it_pays<2>(BackgroundMesh<2>&, ParticleSet<2>&, double);
+template bool balance_where_it_pays<3>(BackgroundMesh<3>&, ParticleSet<3>&, double);
 template bool adapt_mesh<2>(BackgroundMesh<2>&, ParticleSet<2>&, const AdaptationTarget&, const AdaptationHooks&);
 template bool adapt_mesh<3>(BackgroundMesh<3>&, ParticleSet<3>&, const AdaptationTarget&, const AdaptationHooks&);
 } // namespace kedge

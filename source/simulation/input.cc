@@ -108,9 +108,13 @@ Input parse_input(const std::string& text, const std::string& folder, const std:
 
   Input input;
   section.read(document, input, Place(context));
-  for (Stage& stage : input.stages) // frozen bodies are not refined around
-    if (!stage.rigid_bodies && stage.adaptivity.type == AdaptivityType::rigid_body_surface)
-      stage.adaptivity.type = AdaptivityType::none;
+  for (Stage& stage : input.stages) // frozen bodies are neither refined around nor followed
+    if (!stage.rigid_bodies)
+    {
+      stage.track = BoundaryTrack();
+      if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
+        stage.adaptivity.type = AdaptivityType::none;
+    }
   input.effective_json = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return input;
 }

@@ -38,11 +38,6 @@ void refuse_in_stage(const Input& input, const Stage& stage, const std::string& 
     refuse(path + ".type",
            stage.stepping.type == StageType::dynamic ? "the stage type \"dynamic\"" : "the stage type \"explicit\"",
            "use \"static\"");
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const auto& [side, planes] :
-         {std::make_pair(".min", stage.track.min), std::make_pair(".max", stage.track.max)})
-      if (planes[axis].type)
-        refuse(entry(path + ".boundary track" + side + ".type", axis), "the moving window", "set it to \"off\"");
   if (stage.rigid_bodies)
     refuse_free_points(input, stage, path);
 }

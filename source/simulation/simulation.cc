@@ -11,6 +11,7 @@
 #include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/burial.h>
 #include <kedge/simulation/layout.h>
+#include <kedge/simulation/moving_window.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/step_problem.h>
@@ -47,6 +48,8 @@ private:
   void begin_stage(unsigned int number);
   void run_stage();
   void prepare_step();
+  void follow_bodies_with_window();
+  void move_window_to(const Window<dim>& window);
   void remove_hopeless();
   void adapt();
   NewtonReport find_equilibrium(const Clock& clock);
@@ -72,6 +75,7 @@ private:
   typename StepProblem<dim>::Load load;
   Prediction prediction; ///< for the next step of this stage
   std::vector<Vector6> reactions;
+  bool has_warned_of_window = false;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
   long long deleted = 0, dofs = 0;
   double basis_bytes = 0.;
@@ -131,6 +135,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   if (stage->rigid_bodies && stage->surface_placement)
     place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
   log.begin_stage(bodies);
+  move_window_to(place_window<dim>(stage->track, extent_of<dim>(bodies), mesh.layout()));
   if (!stage->rigid_bodies || !stage->wished_in_place)
     return;
   adapt(); // the finer the cells, the smaller the steps of the hole
@@ -168,6 +173,7 @@ template <int dim> void Simulation<dim>::run_stage()
 /// What a cut step does not repeat.
 template <int dim> void Simulation<dim>::prepare_step()
 {
+  follow_bodies_with_window();
   remove_hopeless();
   adapt();
   problem =
@@ -175,6 +181,33 @@ template <int dim> void Simulation<dim>::prepare_step()
   if (take_reference_gaps)
     contact.take_reference_gaps(bodies);
   take_reference_gaps = false;
+}
+
+template <int dim> void Simulation<dim>::follow_bodies_with_window()
+{
+  const Extent<dim> extent = extent_of<dim>(bodies);
+  move_window_to(advance_window<dim>(mesh.leaves().window, stage->track, extent, mesh.layout()));
+  if (!has_warned_of_window && reach_beyond<dim>(mesh.leaves().window, extent, mesh.layout()))
+  {
+    log.report().warn(fmt::format("step {}: a body reaches beyond a plane of the window, which may not follow it that "
+                                  "way, into soil that is not active; set \"advance\" to \"both\"",
+                                  step));
+    has_warned_of_window = true;
+  }
+}
+
+template <int dim> void Simulation<dim>::move_window_to(const Window<dim>& window)
+{
+  if (window == mesh.leaves().window)
+    return;
+  const auto scope = log.timings().measure("window");
+  deleted += move_window<dim>(mesh, particles, window, stage->track);
+  const LeafTable<dim> before = mesh.leaves();
+  if (!balance_where_it_pays(mesh, particles, particle_cost))
+    return;
+  particles.load();
+  contact.follow_particles(particles.ids());
+  prediction = transfer_prediction<dim>(prediction, before, mesh.leaves());
 }
 
 template <int dim> void Simulation<dim>::remove_hopeless()
@@ -292,7 +325,7 @@ template <int dim> void Simulation<dim>::end_stage()
   problem.reset();
   long long cells = 0;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
-    cells += cell->is_locally_owned() && particles.handler().n_particles_in_cell(cell) > 0;
+    cells += cell->is_locally_owned() && mesh.in_window(cell) && particles.handler().n_particles_in_cell(cell) > 0;
   log.end_stage(step_state(), sum_over_ranks(cells, MPI_COMM_WORLD), particles.bytes(), basis_bytes);
 }
 } // namespace

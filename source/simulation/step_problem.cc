@@ -74,11 +74,12 @@ template <int dim> std::vector<unsigned char> StepProblem<dim>::find_constrained
     for (unsigned int axis = 0; axis < dim; ++axis)
       for (const bool upper : {false, true})
       {
-        const double face = upper ? table.base_size * table.base_cells[axis] : 0.;
+        const double face = upper ? table.upper_end(axis) : table.lower_end(axis);
         if (std::abs(table.node_position[nodes.mesh_node[v]][axis] - face) > 1e-9 * table.base_size)
           continue;
-        const FaceCondition condition =
-            upper ? stage.boundary_conditions.max[axis] : stage.boundary_conditions.min[axis];
+        const FaceCondition condition = upper
+                                            ? stage.track.max[axis].type.value_or(stage.boundary_conditions.max[axis])
+                                            : stage.track.min[axis].type.value_or(stage.boundary_conditions.min[axis]);
         for (unsigned int d = 0; d < dim; ++d)
           if (condition == FaceCondition::fixed || (condition == FaceCondition::roller && d == axis))
             constrained[dim * v + d] = 1;

@@ -47,7 +47,7 @@ struct LeafContent
 };
 
 /// Contents of all leaves of the table (owned and ghost) from each particle's box (m), Young's modulus (Pa) and mass
-/// (kg). Beyond the grid's boundary there is no neighbour, so none that is unpopulated. Collective.
+/// (kg). Beyond the window's ends there is no neighbour, so none that is unpopulated. Collective.
 template <int dim>
 std::vector<LeafContent>
 find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,

@@ -24,14 +24,15 @@ template <int dim> struct NodeShare
 
 /// Shape function averages S_v and grad S_v of one box (centre, half-widths, m) over the leaves that it overlaps
 /// (Bardenhagen & Kober 2004; one-point integration per overlap box is exact, Bird et al. 2026, arXiv:2606.09275).
-/// Overlaps below 1e-11 of the box are ignored; a box that pokes out of what is known is clipped and renormalised.
+/// Overlaps below 1e-11 of the box are ignored; a box that pokes out of the window or of what is known is clipped
+/// and renormalised.
 /// Workspace is kept between calls, so use one object per thread.
 template <int dim> class BoxAverage
 {
 public:
   explicit BoxAverage(const LeafTable<dim>& table);
 
-  /// Leaves under the box with their fractions (sum 1); empty if the box lies outside the grid.
+  /// Leaves under the box with their fractions (sum 1); empty if the box lies outside the window.
   const std::vector<Overlap>& find_overlaps(const std::array<double, dim>& centre,
                                             const std::array<double, dim>& half_width);
   /// Node shares of the last box, in the order in which its leaves name the nodes.
@@ -61,7 +62,7 @@ struct HostStencils
 
 /// Builds the stencils of all particles; `leaf_of_particle` (ascending runs) only serves to find equal patterns. With
 /// `point_basis` every box is shrunk to its centre (standard MPM). Throws SolverError if a particle lies outside the
-/// grid.
+/// window.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,

@@ -25,6 +25,11 @@ public:
   /// evenly; the children of a cell come to one rank. Particles must have been packed before (ParticleSet does so).
   void repartition(const std::vector<double>& work = {});
 
+  /// Sets where soil is active; the whole grid at first. The leaves keep their numbers.
+  void set_window(const Window<dim>& window) { table.window = window; }
+  /// Of an owned or ghost cell.
+  bool in_window(const Cell& cell) const { return table.in_window(table.leaves[leaf_number(cell)]); }
+
   /// Numbers the nodes and rebuilds the leaf table; call after every change of the forest. Collective.
   void update();
 

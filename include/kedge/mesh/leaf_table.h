@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <kedge/mesh/window.h>
 #include <vector>
 
 namespace kedge
@@ -33,6 +34,12 @@ template <int dim> struct LeafTable
   std::vector<std::int32_t> tree;
   std::array<unsigned int, dim> base_cells{};
   double base_size = 0.;
+  Window<dim> window; ///< where soil is active
+
+  /// The window's ends along an axis, m.
+  double lower_end(const unsigned int axis) const { return base_size * window.lower[axis]; }
+  double upper_end(const unsigned int axis) const { return base_size * window.upper[axis]; }
+  bool in_window(const Leaf& leaf) const;
 
   std::vector<Leaf> leaves;
   std::vector<unsigned int> nodes; ///< local node numbers of each leaf's true nodes

@@ -19,9 +19,9 @@ struct HopelessParticles
 /// is no reason, however large: in soil that flows around a body F grows without bound, and the stress does not depend
 /// on F.
 ///
-/// Isolated: no other sound particle's domain reaches into its cell or a cell across one of that cell's faces. Such a
-/// particle hangs on nodes of its own, without stiffness but its own. Domains must not reach beyond the cells next to
-/// those of their rank, which split particles never do.
+/// Isolated: active, and no other sound active particle's domain reaches into its cell or a cell across one of that
+/// cell's faces. Such a particle hangs on nodes of its own, without stiffness but its own. Domains must not reach
+/// beyond the cells next to those of their rank, which split particles never do.
 ///
 /// Collective. Call before split_particles; call load() afterwards.
 template <int dim>

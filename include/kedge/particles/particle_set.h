@@ -11,6 +11,7 @@
 
 namespace kedge
 {
+/// Particles in cells outside the mesh's window wait: the handler keeps them as they are, the arrays do not know them.
 template <int dim> class ParticleSet
 {
 public:
@@ -30,7 +31,7 @@ public:
   const std::vector<unsigned int>& leaves() const { return leaf; }
   const std::vector<long long>& ids() const { return id; }
 
-  /// Fills the arrays from the ParticleHandler. Call after any change of particles or mesh.
+  /// Fills the arrays from the ParticleHandler. Call after any change of particles, mesh or window.
   void load();
 
   /// Notes the smallest gap (m) of each particle that is near a body; the others get NaN.
@@ -43,8 +44,8 @@ public:
   void carry_through(const std::function<void()>& change);
 
   /// Spreads cells with their particles anew over the ranks. `cost` is the work of a particle that sees the nodes of
-  /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see. Call load()
-  /// afterwards.
+  /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see; waiting
+  /// particles cost nothing. Call load() afterwards.
   void balance_load(BackgroundMesh<dim>& mesh, double cost);
   /// Work of the busiest rank over the mean, at least 1. Collective.
   double imbalance(double cost) const;
@@ -60,6 +61,7 @@ public:
   double bytes() const;
 
 private:
+  std::vector<typename BackgroundMesh<dim>::Cell> active_cells() const;
   std::vector<double> cell_work(double cost) const;
 
   BackgroundMesh<dim>& mesh;

@@ -1,0 +1,309 @@
+// Soil wakes ahead of a dragged body, waits or vanishes behind it, and is held at the planes of the window.
+#include "../bodies/shapes.h"
+#include "../mesh/refined_mesh.h"
+#include "../on_host.h"
+#include <gtest/gtest.h>
+#include <kedge/particles/generation.h>
+#include <kedge/particles/splitting.h>
+#include <kedge/simulation/adaptation.h>
+#include <kedge/simulation/moving_window.h>
+#include <kedge/simulation/step_problem.h>
+#include <set>
+
+using namespace kedge;
+
+namespace
+{
+/// Elastic soil of 12 (by 2) by 2 cells of 0.5 m under its initial stress, and a blade across it, almost down to
+/// mid-depth and clear of the soil below and behind, that is dragged along x.
+template <int dim> struct Drag
+{
+  static constexpr double cell = 0.5;
+  static constexpr unsigned int points_per_axis = 2;
+  using Position = std::array<double, dim>;
+
+  Drag() : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(ContactParameters(), MPI_COMM_WORLD)
+  {
+    const FaceCondition free = FaceCondition::free, roller = FaceCondition::roller, fixed = FaceCondition::fixed;
+    input.gravity = {{0., dim == 3 ? 0. : -10., dim == 3 ? -10. : 0.}};
+    input.solver.ghost_factor = 0.;
+    MaterialPointParameters& soil = input.material_points;
+    soil.points_per_axis = points_per_axis;
+    Layer layer;
+    layer.thickness = 1.;
+    layer.material.young = 1e7;
+    layer.material.poisson = 0.25;
+    layer.material.density = 2000.;
+    soil.layers = {layer};
+    soil.K0 = 1. / 3.;
+    stage.rigid_bodies = true;
+    stage.boundary_conditions.min.fill(roller);
+    stage.boundary_conditions.max.fill(roller);
+    stage.boundary_conditions.min[dim - 1] = fixed;
+    stage.boundary_conditions.max[dim - 1] = free;
+    generate_particles(particles, mesh, soil, 10.);
+    particles.balance_load(mesh, 20.);
+    particles.load();
+    materials = upload_materials({layer.material});
+
+    bodies.points.emplace_back();
+    bodies.surfaces.push_back(
+        {Surface(dim == 3 ? test::box({-0.25, -5., 0.}, {0.25, 6., 1.})
+                          : extrude_outline({{-0.25, 0.}, {0.25, 0.}, {0.25, 1.}, {-0.25, 1.}}, "blade")),
+         0});
+    place(2.25);
+    particles.remove_if(
+        [](const auto& particle)
+        {
+          const dealii::Point<dim> x = particle.get_location();
+          return x[0] > 1.5 && x[0] < 2.5 && x[dim - 1] > 0.5;
+        });
+    particles.load();
+  }
+
+  static GridLayout<dim> layout()
+  {
+    std::array<unsigned int, dim> cells;
+    cells.fill(2);
+    cells[0] = 12;
+    cells[dim - 1] = 4;
+    return test::make_brick<dim>(cells, cell, 0.5);
+  }
+
+  /// Middle of the blade along x, m.
+  void place(const double x) { bodies.points[0].pose.position = {x, 0., 0.6}; }
+
+  void ask_for_planes(const double behind, const double ahead, const bool remove)
+  {
+    stage.track.min[0] = {FaceCondition::fixed, behind, Advance::positive, remove};
+    stage.track.max[0] = {FaceCondition::fixed, ahead, Advance::positive, false};
+  }
+
+  long long place_planes()
+  {
+    return move_window<dim>(mesh, particles, place_window<dim>(stage.track, extent_of<dim>(bodies), mesh.layout()),
+                            stage.track);
+  }
+
+  /// As before a step; returns the number of particles deleted.
+  long long follow()
+  {
+    const Window<dim> window =
+        advance_window<dim>(mesh.leaves().window, stage.track, extent_of<dim>(bodies), mesh.layout());
+    const long long deleted = move_window<dim>(mesh, particles, window, stage.track);
+    if (balance_where_it_pays(mesh, particles, 20.))
+      particles.load();
+    contact.follow_particles(particles.ids());
+    return deleted;
+  }
+
+  /// One step of the blade along x (m); returns the force on it (N).
+  double drag(const double increment)
+  {
+    follow();
+    StepProblem<dim> problem(input, stage, mesh, particles, materials, bodies, contact, timings);
+    typename StepProblem<dim>::Load load;
+    load.body_increments = {Vector6::Zero()};
+    load.body_increments[0][0] = increment;
+    report = problem.solve(load, {});
+    n_dofs = problem.n_dofs();
+    const ParticleIncrements increments = problem.particle_increments();
+    largest_at_plane = largest_displacement_across(increments);
+    const double force = problem.body_loads()[0][0];
+    contact.commit();
+    bodies.points[0].pose = bodies.points[0].pose.moved(load.body_increments[0]);
+    particles.commit(increments, DomainUpdate::none);
+    particles.load();
+    contact.follow_particles(particles.ids());
+    return force;
+  }
+
+  /// m, of the displacements of all particles with their domains against a plane, over all of them.
+  double largest_displacement_across(const ParticleIncrements& increments) const
+  {
+    const auto gradient = test::on_host(increments.deformation_gradient);
+    const auto u = test::on_host(increments.displacement);
+    double largest = 0.;
+    for (std::size_t p = 0; p < particles.ids().size(); ++p)
+    {
+      const double half = particles.half_widths()[p][0], x = particles.positions()[p][0];
+      for (const auto& [plane, side] :
+           {std::make_pair(mesh.leaves().lower_end(0), -1.), std::make_pair(mesh.leaves().upper_end(0), 1.)})
+        if (std::abs(x + side * half - plane) < 1e-3)
+          for (unsigned int d = 0; d < dim; ++d) // to the plane by the particle's gradient
+            largest = std::max(largest, std::abs(u(p, d) + (gradient(p, 3 * d) - (d == 0 ? 1. : 0.)) * (plane - x)));
+    }
+    return max_over_ranks(largest, MPI_COMM_WORLD);
+  }
+
+  std::vector<Position> active_positions() const { return gather_everywhere(particles.positions(), MPI_COMM_WORLD); }
+
+  Input input;
+  Stage stage;
+  BackgroundMesh<dim> mesh;
+  ParticleSet<dim> particles;
+  Contact<dim> contact;
+  Materials materials;
+  RigidSystems bodies;
+  Timings timings;
+  NewtonReport report;
+  long long n_dofs = 0;
+  double largest_at_plane = 0.;
+};
+
+template <typename Dimension> class MovingWindow : public testing::Test, public Drag<Dimension::value>
+{
+public:
+  static constexpr int dim = Dimension::value;
+  /// In a column of cells without the blade.
+  static constexpr long long per_column = dim == 3 ? 32 : 8;
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(MovingWindow, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(MovingWindow, IsActiveExactlyBetweenItsPlanes)
+{
+  this->ask_for_planes(0.6, 1.2, false); // 1 m and 4 m, around the blade from 2 m to 2.5 m
+  this->place_planes();
+  std::set<double> columns;
+  for (const auto& x : this->active_positions())
+    columns.insert(std::floor(x[0] / this->cell));
+  EXPECT_EQ(columns, (std::set<double>{2., 3., 4., 5., 6., 7.}));
+}
+
+TYPED_TEST(MovingWindow, WakesSoilAheadAndLetsSoilBehindWait)
+{
+  this->ask_for_planes(0.6, 1.2, false);
+  this->place_planes();
+  const std::size_t before = this->active_positions().size();
+  const long long all = this->particles.n_global();
+  this->place(3.25); // two columns leave, two come
+  EXPECT_EQ(this->follow(), 0);
+  EXPECT_EQ(this->active_positions().size(), before + this->per_column / 2); // half of a column that left is empty
+  EXPECT_EQ(this->mesh.leaves().window.lower[0], 4u);
+  EXPECT_EQ(this->particles.n_global(), all);
+}
+
+TYPED_TEST(MovingWindow, DeletesWhatARemovingPlaneHasPassed)
+{
+  this->ask_for_planes(0.6, 1.2, true);
+  const long long all = this->particles.n_global();
+  EXPECT_EQ(this->place_planes(), 2 * this->per_column);
+  this->place(2.75);
+  EXPECT_EQ(this->follow(), this->per_column);
+  EXPECT_EQ(this->follow(), 0);
+  EXPECT_EQ(this->particles.n_global(), all - 3 * this->per_column);
+}
+
+TYPED_TEST(MovingWindow, HoldsTheSoilAtFixedPlanes)
+{
+  this->ask_for_planes(0.1, 0.1, false);
+  this->place_planes();
+  this->drag(1e-3);
+  EXPECT_TRUE(this->report.converged) << this->report.failure;
+  EXPECT_LT(this->largest_at_plane, 1e-9);
+}
+
+TYPED_TEST(MovingWindow, LetsSoilSlideAlongARoller)
+{
+  this->ask_for_planes(0.1, 0.1, false);
+  this->stage.track.max[0].type = FaceCondition::roller;
+  this->place_planes();
+  this->drag(1e-3);
+  EXPECT_TRUE(this->report.converged) << this->report.failure;
+  EXPECT_GT(this->largest_at_plane, 1e-6);
+}
+
+TYPED_TEST(MovingWindow, GivesUnknownsToActiveNodesAlone)
+{
+  this->ask_for_planes(0.6, 1.2, false);
+  this->place_planes();
+  this->drag(1e-4);
+  EXPECT_EQ(this->n_dofs,
+            TypeParam::value == 3 ? 3 * 60 : 2 * 20); // one column of 7 (by 3) nodes is without soil on top
+}
+
+TYPED_TEST(MovingWindow, HardlyChangesTheReactionWhenItsPlanesAreFar)
+{
+  Drag<TypeParam::value> without;
+  this->ask_for_planes(1.0005, 2.4995, true); // 0.5 m and 5 m of 6 m, after the first step 1 m and 5.5 m
+  this->place_planes();
+  double force = 0., expected = 0.;
+  for (unsigned int step = 0; step < 2; ++step)
+  {
+    force = this->drag(1e-3);
+    expected = without.drag(1e-3);
+    ASSERT_TRUE(this->report.converged && without.report.converged);
+  }
+  EXPECT_EQ(this->mesh.leaves().window.upper[0], 11u);
+  EXPECT_LT(expected, 0.);
+  EXPECT_NEAR(force, expected, 0.01 * std::abs(expected));
+}
+
+TYPED_TEST(MovingWindow, GivesTheSameReactionOnAnyNumberOfRanksAsItMoves)
+{
+  this->ask_for_planes(0.502, 0.998, true); // both move by a cell after three steps
+  this->place_planes();
+  const auto first = this->mesh.leaves().window;
+  double force = 0.;
+  for (unsigned int step = 0; step < 5; ++step)
+  {
+    force = this->drag(1e-3);
+    ASSERT_TRUE(this->report.converged) << this->report.failure;
+  }
+  EXPECT_EQ(this->mesh.leaves().window.lower[0], first.lower[0] + 1);
+  EXPECT_EQ(this->mesh.leaves().window.upper[0], first.upper[0] + 1);
+  constexpr double on_one_rank = -47735.167669871; // N, in 2-D per metre: the block of the 3-D case is 1 m wide
+  EXPECT_NEAR(force, on_one_rank, 1e-6 * std::abs(on_one_rank));
+}
+
+TYPED_TEST(MovingWindow, RefinesNoWaitingSoil)
+{
+  constexpr int dim = TypeParam::value;
+  this->ask_for_planes(0., 0., false);
+  this->place_planes();
+  Adaptivity adaptivity;
+  adaptivity.type = AdaptivityType::rigid_body_surface;
+  adaptivity.element_size = adaptivity.element_size_in_region = 0.25;
+  adaptivity.region = 2.;
+  adapt_mesh<dim>(this->mesh, this->particles, {this->bodies, adaptivity, this->points_per_axis, 20.},
+                  {[&] { split_particles(this->particles, this->mesh, this->points_per_axis); }, [] {}});
+  const auto& table = this->mesh.leaves();
+  long long fine = 0;
+  for (const auto& leaf : table.leaves)
+    if (leaf.owned && leaf.size < 0.3)
+    {
+      EXPECT_TRUE(table.in_window(leaf));
+      ++fine;
+    }
+  EXPECT_GT(sum_over_ranks(fine, MPI_COMM_WORLD), 0);
+}
+
+TYPED_TEST(MovingWindow, KeepsTheCellsThatSmallWaitingParticlesNeed)
+{
+  constexpr int dim = TypeParam::value;
+  Adaptivity adaptivity;
+  adaptivity.type = AdaptivityType::rigid_body_surface;
+  adaptivity.element_size = 0.25;
+  const AdaptationHooks hooks{[&] { split_particles(this->particles, this->mesh, this->points_per_axis); }, [] {}};
+  const auto adapt = [&] {
+    adapt_mesh<dim>(this->mesh, this->particles, {this->bodies, adaptivity, this->points_per_axis, 20.}, hooks);
+  };
+  const auto count_fine = [&]
+  {
+    long long n = 0;
+    for (const auto& leaf : this->mesh.leaves().leaves)
+      n += leaf.owned && leaf.size < 0.3 && leaf.lower[0] < 3.;
+    return sum_over_ranks(n, MPI_COMM_WORLD);
+  };
+  adapt();
+  const long long before = count_fine();
+  ASSERT_GT(before, 0);
+  this->ask_for_planes(0., 0., false);
+  this->place(5.);
+  this->place_planes();
+  adapt();
+  EXPECT_EQ(count_fine(), before);
+}
