@@ -54,6 +54,19 @@ TYPED_TEST(SceneGrids, OnlyCellsWithParticlesAreShown)
             std::vector<std::int32_t>(grid.n_cells(), 0));
 }
 
+TYPED_TEST(SceneGrids, CellsOutsideTheWindowAreShownAsInactive)
+{
+  test::Scene<TypeParam::value> scene;
+  auto window = scene.mesh.leaves().window;
+  window.lower[0] = 1;
+  scene.mesh.set_window(window);
+  const UnstructuredGrid grid = soil_cells(scene.mesh, scene.particles);
+  long long active = 0;
+  for (const std::int32_t flag : std::get<std::vector<std::int32_t>>(grid.cell_data.at(1).values))
+    active += flag;
+  EXPECT_EQ(sum_over_ranks(active, MPI_COMM_WORLD), TypeParam::value == 3 ? 2 : 1); // of 6 or 3
+}
+
 TYPED_TEST(SceneGrids, ParticlesAreSplitByLayerAndSorted)
 {
   constexpr int dim = TypeParam::value;

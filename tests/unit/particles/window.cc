@@ -125,10 +125,14 @@ TYPED_TEST(WaitingParticles, AreNoCompanyForAnActiveOne)
 
 TYPED_TEST(WaitingParticles, AreNotRemovedForBeingAlone)
 {
-  const long long kept = this->records().front().id; // in the first column of cells
+  // one in the first column of cells, the next one in the third, where the window begins
+  const long long kept = this->records().front().id;
+  Window<TypeParam::value> window = this->mesh.leaves().window;
+  window.lower[0] = 2;
+  this->mesh.set_window(window);
   this->particles.remove_if(
       [&](const auto& particle)
-      { return particle.get_location()[0] < this->lower && static_cast<long long>(particle.get_id()) != kept; });
+      { return particle.get_location()[0] < 1. && static_cast<long long>(particle.get_id()) != kept; });
   this->particles.load();
   EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh).isolated, 0);
 }
