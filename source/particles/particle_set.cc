@@ -52,6 +52,8 @@ ParticleArrays allocate_arrays(const std::size_t n)
   arrays.initial_volume = View<double*>(view_alloc("volume", WithoutInitializing), n);
   arrays.mass = View<double*>(view_alloc("mass", WithoutInitializing), n);
   arrays.layer = View<unsigned int*>(view_alloc("layer", WithoutInitializing), n);
+  arrays.velocity = View<double* [3]>(view_alloc("velocity", WithoutInitializing), n);
+  arrays.acceleration = View<double* [3]>(view_alloc("acceleration", WithoutInitializing), n);
   arrays.trial_strain = decltype(arrays.trial_strain)(view_alloc("trial strain", WithoutInitializing), n);
   arrays.trial_stress = decltype(arrays.trial_stress)(view_alloc("trial stress", WithoutInitializing), n);
   arrays.trial_plastic = View<double*>(view_alloc("trial plastic", WithoutInitializing), n);
@@ -93,6 +95,8 @@ template <int dim> void ParticleSet<dim>::load()
   auto volume = Kokkos::create_mirror_view(mirror.initial_volume);
   auto mass = Kokkos::create_mirror_view(mirror.mass);
   auto layer = Kokkos::create_mirror_view(mirror.layer);
+  auto velocity = Kokkos::create_mirror_view(mirror.velocity);
+  auto acceleration = Kokkos::create_mirror_view(mirror.acceleration);
   auto strain = Kokkos::create_mirror_view(mirror.trial_strain);
   auto stress = Kokkos::create_mirror_view(mirror.trial_stress);
 
@@ -112,6 +116,11 @@ template <int dim> void ParticleSet<dim>::load()
         strain(p, i) = data[field::elastic_strain + i];
         stress(p, i) = data[field::stress + i];
       }
+      for (unsigned int i = 0; i < 3; ++i)
+      {
+        velocity(p, i) = data[field::velocity + i];
+        acceleration(p, i) = data[field::acceleration + i];
+      }
       young(p) = data[field::young];
       volume(p) = data[field::initial_volume];
       mass(p) = data[field::mass];
@@ -124,6 +133,8 @@ template <int dim> void ParticleSet<dim>::load()
   Kokkos::deep_copy(mirror.initial_volume, volume);
   Kokkos::deep_copy(mirror.mass, mass);
   Kokkos::deep_copy(mirror.layer, layer);
+  Kokkos::deep_copy(mirror.velocity, velocity);
+  Kokkos::deep_copy(mirror.acceleration, acceleration);
   Kokkos::deep_copy(mirror.trial_strain, strain);
   Kokkos::deep_copy(mirror.trial_stress, stress);
   Kokkos::deep_copy(mirror.trial_plastic, 0.);
@@ -143,6 +154,10 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
 {
   const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
   const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
+  const auto velocity_change =
+      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.velocity_change);
+  const auto acceleration = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.acceleration);
+  const bool moves = increments.motion.acceleration.extent(0) > 0;
   const auto strain = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_strain);
   const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_stress);
   const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_plastic);
@@ -174,6 +189,11 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
         data[field::stress + i] = stress(p, i);
       }
       data[field::plastic_strain] += plastic(p);
+      for (unsigned int i = 0; i < 3; ++i)
+      {
+        data[field::velocity + i] = moves ? data[field::velocity + i] + velocity_change(p, i) : 0.;
+        data[field::acceleration + i] = moves ? acceleration(p, i) : 0.;
+      }
       ++p;
     }
   const long long before = particles.n_global_particles();
@@ -235,7 +255,7 @@ template <int dim> double ParticleSet<dim>::bytes() const
 {
   const double in_handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
   const double in_arrays =
-      sizeof(double) * (6. + 3. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
+      sizeof(double) * (6. + 3. + 6. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
   return particles.n_locally_owned_particles() * in_handler + mirror.n * in_arrays;
 }
 

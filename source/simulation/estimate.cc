@@ -81,7 +81,7 @@ public:
   {
     if (stage.rigid_bodies)
       for (RigidPoint& point : bodies.points)
-        for (unsigned int step = 0; step < stage.stepping.load_steps; ++step)
+        for (unsigned int step = 0; step < count_steps(stage.stepping); ++step)
           point.pose = point.pose.moved(point.prescribed_increment(1.));
   }
 
@@ -159,7 +159,7 @@ std::vector<StageEstimate> estimate_cost(const Input& input, const double most_p
     stage.dofs = input.dimension * contents[i].nodes;
     stage.particles = contents[i].particles;
     stage.counting_stopped = contents[i].counting_stopped;
-    stage.steps = input.stages[i].stepping.load_steps;
+    stage.steps = count_steps(input.stages[i].stepping);
     stage.memory = bytes_of_program + bytes_per_particle * stage.particles + bytes_per_dof * stage.dofs;
     stage.seconds =
         stage.steps * newton_iterations * (seconds_per_particle * stage.particles + seconds_per_dof * stage.dofs);

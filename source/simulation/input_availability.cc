@@ -34,10 +34,8 @@ void refuse_free_points(const Input& input, const Stage& stage, const std::strin
 
 void refuse_in_stage(const Input& input, const Stage& stage, const std::string& path)
 {
-  if (stage.stepping.type != StageType::static_)
-    refuse(path + ".type",
-           stage.stepping.type == StageType::dynamic ? "the stage type \"dynamic\"" : "the stage type \"explicit\"",
-           "use \"static\"");
+  if (stage.stepping.type == StageType::explicit_)
+    refuse(path + ".type", "the stage type \"explicit\"", "use \"static\" or \"dynamic\"");
   if (stage.rigid_bodies)
     refuse_free_points(input, stage, path);
 }

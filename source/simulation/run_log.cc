@@ -28,10 +28,11 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
     terminal.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
 }
 
-void RunLog::begin_stage(const RigidSystems& bodies)
+void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies)
 {
   StageSummary stage;
-  stage.type = "static";
+  step_length = kedge::step_length(stepping);
+  stage.type = stepping.type == StageType::static_ ? "static" : "dynamic";
   for (const RigidPoint& point : bodies.points)
     stage.start_positions.push_back({{point.pose.position[0], point.pose.position[1], point.pose.position[2]}});
   summary.stages.push_back(stage);
@@ -58,9 +59,10 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
   Progress shown;
   shown.stage = summary.stages.size();
   shown.n_stages = input.stages.size();
-  shown.time = clock.steps_done() / clock.requested_steps();
+  shown.time = clock.steps_done() * step_length;
+  shown.end = clock.requested_steps() * step_length;
   shown.step = state.step;
-  shown.increment = clock.step_fraction() / clock.requested_steps();
+  shown.increment = clock.step_fraction() * step_length;
   shown.newton_iterations = newton.iterations;
   shown.krylov_iterations = newton.krylov_iterations;
   shown.cuts = clock.cuts();

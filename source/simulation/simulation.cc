@@ -62,6 +62,7 @@ private:
   const Input& input;
   const Stage* stage = nullptr;
   unsigned int stage_number = 0; ///< from 0
+  double finished_time = 0.;     ///< of the stages before: s, a static one counts 1
   RunLog log;
 
   BackgroundMesh<dim> mesh;
@@ -130,11 +131,11 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   stage_number = number;
   stage = &input.stages[number];
   prediction.clear();
-  writer.begin_stage(stage->stepping.load_steps);
+  writer.begin_stage(count_steps(stage->stepping));
   apply_conditions(bodies, input.systems, stage->point_conditions, dim);
   if (stage->rigid_bodies && stage->surface_placement)
     place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
-  log.begin_stage(bodies);
+  log.begin_stage(stage->stepping, bodies);
   move_window_to(place_window<dim>(stage->track, extent_of<dim>(bodies), mesh.layout()));
   if (!stage->rigid_bodies || !stage->wished_in_place)
     return;
@@ -147,7 +148,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 
 template <int dim> void Simulation<dim>::run_stage()
 {
-  Clock clock(stage->stepping.load_steps, input.solver.minimum_step_fraction);
+  Clock clock(requested_steps(stage->stepping), input.solver.minimum_step_fraction);
   while (!clock.at_end())
   {
     if (!problem)
@@ -258,9 +259,9 @@ template <int dim> StepState Simulation<dim>::step_state() const
 template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
 {
   const auto scope = log.timings().measure("output");
-  const double time = clock.steps_done() / clock.requested_steps();
+  const double time = clock.steps_done() * step_length(stage->stepping);
   writer.write_if_due(
-      {particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, stage_number + time},
+      {particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, finished_time + time},
       log.steps_in_stage(), clock.at_end() || even_if_not_due);
 }
 
@@ -268,6 +269,10 @@ template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& c
 {
   load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
   load.step_fraction = clock.step_fraction();
+  load.newmark = {stage->stepping.beta, stage->stepping.gamma,
+                  stage->stepping.type == StageType::dynamic ? clock.step_fraction() * stage->stepping.dt : 0.};
+  load.starts_at_rest = log.steps_in_stage() == 0 &&
+                        (stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
   load.body_increments.clear();
   for (const RigidPoint& point : bodies.points)
     load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
@@ -323,6 +328,7 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
 template <int dim> void Simulation<dim>::end_stage()
 {
   problem.reset();
+  finished_time += requested_steps(stage->stepping) * step_length(stage->stepping);
   long long cells = 0;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     cells += cell->is_locally_owned() && mesh.in_window(cell) && particles.handler().n_particles_in_cell(cell) > 0;

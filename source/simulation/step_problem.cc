@@ -41,6 +41,9 @@ StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const Ba
   TpetraVector weight(system->graph().row_map);
   system->collect(full_weight, weight);
   weight_norm = weight.norm2();
+
+  if (stage.stepping.type == StageType::dynamic)
+    motion = project_motion(particles.arrays(), stencils, ghost_faces, stage.stepping.lumped_mass, *system);
 }
 
 template <int dim> void StepProblem<dim>::number_nodes()
@@ -52,7 +55,7 @@ template <int dim> void StepProblem<dim>::number_nodes()
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
   HostGhostFaces faces;
-  if (input.solver.ghost_factor > 0.)
+  if (input.solver.ghost_factor > 0. || input.solver.ghost_factor_mass > 0.)
   {
     const std::vector<LeafContent> contents = find_leaf_contents<dim>(
         mesh.leaves(), particles.positions(), particles.half_widths(), download(particles.arrays().young),
@@ -125,12 +128,29 @@ template <int dim> void StepProblem<dim>::find_contact_pairs()
 template <int dim> NewtonReport StepProblem<dim>::solve(const Load& load_, const Prediction& prediction)
 {
   load = load_;
+  if (load.newmark.is_dynamic() && load.starts_at_rest)
+    find_first_acceleration();
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
   { return solve_linearised(x, r, dx, tolerance); };
   start_from(problem, prediction);
   return solve_newton(problem, *increment, input.solver);
+}
+
+/// From the forces that nothing balances as the stage begins: a block that is let go falls from its first step on.
+template <int dim> void StepProblem<dim>::find_first_acceleration()
+{
+  const Load first = load;
+  load.newmark.dt = 0.;
+  for (Vector6& increment : load.body_increments)
+    increment.setZero();
+  TpetraVector force(increment->getMap());
+  increment->putScalar(0.);
+  residual(*increment, force);
+  force.scale(-1.);
+  motion.acceleration = divide_by_mass(motion.mass, force, *system);
+  load = first;
 }
 
 template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
@@ -179,6 +199,8 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
     add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
   }
   add_ghost_force<dim>(ghost_faces, ghost_faces.stiffness, local_increment, force);
+  if (load.newmark.is_dynamic())
+    add_inertia_force(system->graph(), motion, load.newmark, local_increment, force);
   system->collect(force, r);
   system->zero_constrained(r);
   if (sum_over_ranks(static_cast<long long>(inverted), nodes.communicator) > 0)
@@ -198,6 +220,8 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
     if (stage.rigid_bodies)
       add_point_tangents(contact.points_of_last_evaluation(), -1., system->graph(), system->values());
     add_ghost_matrix<dim>(ghost_faces, ghost_faces.stiffness, system->graph(), system->values());
+    if (load.newmark.is_dynamic())
+      add_mass_matrix(system->graph(), motion.mass, load.newmark.stiffness_factor(), system->values());
     system->finish_matrix();
   }
   const auto scope = timings.measure("linear solver");
@@ -206,7 +230,10 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
 
 template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
 {
-  return interpolate_increments<dim>(stencils, local_increment);
+  ParticleIncrements increments = interpolate_increments<dim>(stencils, local_increment);
+  if (load.newmark.is_dynamic())
+    increments.motion = particle_motion(stencils, motion, load.newmark, local_increment);
+  return increments;
 }
 
 template <int dim> double StepProblem<dim>::basis_bytes() const

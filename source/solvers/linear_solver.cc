@@ -1,5 +1,6 @@
 #include <Amesos2.hpp>
 #include <BelosBlockGmresSolMgr.hpp>
+#include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
@@ -93,6 +94,27 @@ Teuchos::RCP<TpetraMatrix> copy_to_self(const TpetraMatrix& gathered, const std:
   copy->fillComplete();
   return copy;
 }
+
+/// Division by the diagonal of a matrix.
+class Jacobi : public Operator
+{
+public:
+  explicit Jacobi(const TpetraMatrix& matrix) : inverse(matrix.getRowMap())
+  {
+    TpetraVector diagonal(matrix.getRowMap());
+    matrix.getLocalDiagCopy(diagonal);
+    inverse.reciprocal(diagonal);
+  }
+  Teuchos::RCP<const TpetraMap> getDomainMap() const override { return inverse.getMap(); }
+  Teuchos::RCP<const TpetraMap> getRangeMap() const override { return inverse.getMap(); }
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override
+  {
+    y.elementWiseMultiply(alpha, inverse, x, beta);
+  }
+
+private:
+  TpetraVector inverse;
+};
 } // namespace
 
 struct LinearSolver::Implementation
@@ -259,6 +281,24 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x
   report.iterations = iterations;
   report.escalations = escalations;
   return report;
+}
+
+bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& right_side,
+                             TpetraVector& x, const double relative_tolerance)
+{
+  x.putScalar(0.);
+  if (right_side.normInf() == 0.)
+    return true;
+  auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
+      matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(right_side)));
+  problem->setLeftPrec(Teuchos::rcp(new Jacobi(*matrix)));
+  problem->setProblem();
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Iterations", 2000);
+  list->set("Convergence Tolerance", relative_tolerance);
+  list->set("Verbosity", static_cast<int>(Belos::Errors));
+  Belos::PseudoBlockCGSolMgr<double, MultiVector, Operator> solver(problem, list);
+  return solver.solve() == Belos::Converged && std::isfinite(x.norm2());
 }
 
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, const unsigned int dim,

@@ -4,9 +4,9 @@
 
 namespace kedge
 {
-Clock::Clock(const unsigned int n_steps, const double minimum_fraction)
+Clock::Clock(const double n_steps, const double minimum_fraction)
     : ticks_per_step(std::int64_t(1) << std::lround(std::max(0., std::ceil(-std::log2(minimum_fraction))))),
-      end(ticks_per_step * n_steps),
+      end(std::max(1ll, std::llround(ticks_per_step * n_steps))),
       size(std::min(ticks_per_step, end))
 {
 }

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <kedge/parameters/section.h>
 #include <kedge/time/parameters.h>
 
@@ -19,6 +20,21 @@ void check_step(const SteppingParameters& stepping, const Place& place)
                          "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");
 }
 } // namespace
+
+double requested_steps(const SteppingParameters& stepping)
+{
+  return stepping.type == StageType::static_ ? stepping.load_steps : stepping.final_time / stepping.dt;
+}
+
+unsigned int count_steps(const SteppingParameters& stepping)
+{
+  return static_cast<unsigned int>(std::ceil(requested_steps(stepping) - 1e-6));
+}
+
+double step_length(const SteppingParameters& stepping)
+{
+  return stepping.type == StageType::static_ ? 1. / stepping.load_steps : stepping.dt;
+}
 
 Section<SteppingParameters> stepping_section()
 {
@@ -46,6 +62,10 @@ Section<SteppingParameters> stepping_section()
   section
       .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
                 "Newmark's gamma; above 0.5 it damps, below it would feed energy")
+      .only_for("type", {"dynamic"});
+  section
+      .optional("mass", &P::lumped_mass, choice<bool>({{"consistent", false}, {"lumped", true}}),
+                "Mass matrix of the soil: couples the nodes that a material point sees, or its row sums at each node")
       .only_for("type", {"dynamic"});
   section
       .optional("cfl", &P::cfl, number("-", positive().at_most(1.)), "Share of the stability limit taken as the step")

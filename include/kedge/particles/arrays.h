@@ -13,8 +13,15 @@ struct ParticleArrays
   View<double* [6]> elastic_left_cauchy_green; ///< committed: exp(2 eps_e)
   View<double*> young, initial_volume, mass;   ///< committed
   View<unsigned int*> layer;                   ///< committed
+  View<double*[3]> velocity, acceleration;     ///< committed, m/s, m/s2
   View<double*[6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
   View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
+};
+
+/// What a dynamic step makes of the particles' motion.
+struct ParticleMotion
+{
+  View<double*[3]> velocity_change, acceleration; ///< m/s, m/s2
 };
 
 /// Result of a step per particle, for the commit.
@@ -22,5 +29,6 @@ struct ParticleIncrements
 {
   View<double* [3]> displacement;         ///< m
   View<double* [9]> deformation_gradient; ///< dF of the step
+  ParticleMotion motion;                  ///< empty after a static step, which leaves the particles at rest
 };
 } // namespace kedge

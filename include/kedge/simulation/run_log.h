@@ -35,7 +35,7 @@ public:
   unsigned int steps_in_stage() const { return summary.stages.back().steps; }
 
   /// Writes a first summary, so that a reader knows where the bodies start. Collective.
-  void begin_stage(const RigidSystems& bodies);
+  void begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepState& state);
@@ -54,6 +54,7 @@ private:
   Report terminal;
   Timings clock_of_phases;
   RunSummary summary;
+  double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
 };
 } // namespace kedge

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <kedge/assembly/ghost.h>
+#include <kedge/assembly/inertia.h>
 #include <kedge/assembly/system.h>
 #include <kedge/base/report.h>
 #include <kedge/basis/active_nodes.h>
@@ -22,6 +23,8 @@ public:
   {
     double gravity_factor = 1.;
     double step_fraction = 1.;            ///< of a requested step
+    Newmark newmark;                      ///< with a dt of 0 in static stages
+    bool starts_at_rest = false;          ///< the first acceleration follows from the forces, not from the particles
     std::vector<Vector6> body_increments; ///< per rigid point, of the whole (possibly cut) step
   };
 
@@ -47,6 +50,7 @@ private:
   std::vector<unsigned char> find_constrained_dofs() const;
   NodePlaces find_node_places() const;
   void find_contact_pairs();
+  void find_first_acceleration();
   void start_from(const NewtonProblem& newton, const Prediction& prediction);
   double residual(const TpetraVector& x, TpetraVector& r);
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, double tolerance);
@@ -63,6 +67,7 @@ private:
   ActiveNodes nodes;
   StencilSet stencils;
   GhostFaces ghost_faces;
+  NodalMotion motion; ///< at the start of the step; empty in static stages
   std::unique_ptr<System> system;
   LinearSolver linear_solver;
   Teuchos::RCP<TpetraVector> increment;

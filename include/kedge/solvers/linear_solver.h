@@ -38,6 +38,11 @@ private:
   std::unique_ptr<Implementation> implementation;
 };
 
+/// Solves A x = b for a symmetric, positive (semi-)definite matrix by conjugate gradients scaled with its diagonal, to
+/// a relative residual. False where they stall. Collective.
+bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& right_side,
+                             TpetraVector& x, double relative_tolerance);
+
 /// Rigid body modes of nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
 /// with `constrained[dof] != 0` get zero. Sizes follow the row map of `map`.
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, unsigned int dim,

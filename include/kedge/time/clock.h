@@ -11,8 +11,9 @@ namespace kedge
 class Clock
 {
 public:
-  /// `n_steps` requested steps, cut down to no less than `minimum_fraction` of one.
-  Clock(unsigned int n_steps, double minimum_fraction);
+  /// `n_steps` requested steps, cut down to no less than `minimum_fraction` of one. A part of a step at the end is
+  /// rounded to that fraction.
+  Clock(double n_steps, double minimum_fraction);
 
   bool at_end() const { return position == end; }
   /// Size of the current step as a fraction of a requested one.
@@ -20,7 +21,7 @@ public:
   /// Progress of the stage in requested steps: where it is, and where the current step ends.
   double steps_done() const { return static_cast<double>(position) / ticks_per_step; }
   double steps_after() const { return static_cast<double>(position + size) / ticks_per_step; }
-  unsigned int requested_steps() const { return static_cast<unsigned int>(end / ticks_per_step); }
+  double requested_steps() const { return static_cast<double>(end) / ticks_per_step; }
   unsigned int cuts() const { return n_cuts; }
 
   void advance();

@@ -29,8 +29,16 @@ struct SteppingParameters
   double dt = 0.;                                    ///< dynamic: s; 0 in explicit stages: "auto"
   double final_time = 0.;                            ///< dynamic: s
   double beta = 0.25, gamma = 0.5;                   ///< Newmark
+  bool lumped_mass = false;                          ///< dynamic
   double cfl = 0.8, damping = 0., mass_scaling = 1.; ///< explicit
 };
+
+/// Number of requested steps of a stage; the last one is shorter where "final time" is not a multiple of "dt".
+double requested_steps(const SteppingParameters& stepping);
+/// The same, a shorter last one counted whole.
+unsigned int count_steps(const SteppingParameters& stepping);
+/// Length of a requested step: s, or a fraction of the load in static stages.
+double step_length(const SteppingParameters& stepping);
 
 /// Keys of a stage that say how it steps.
 schema::Section<SteppingParameters> stepping_section();

@@ -15,7 +15,7 @@ TEST(Clock, MakesTheRequestedStepsIfNothingFails)
     EXPECT_EQ(clock.steps_after(), steps + 1.);
   }
   EXPECT_EQ(steps, 7u);
-  EXPECT_EQ(clock.requested_steps(), 7u);
+  EXPECT_EQ(clock.requested_steps(), 7.);
   EXPECT_EQ(clock.cuts(), 0u);
 }
 

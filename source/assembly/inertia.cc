@@ -1,0 +1,206 @@
+#include <kedge/assembly/inertia.h>
+#include <kedge/assembly/kernels.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/solvers/linear_solver.h>
+
+namespace kedge
+{
+namespace
+{
+/// The projection is as exact as the increments that follow from it ask for.
+constexpr double projection_tolerance = 1e-12;
+
+/// Position of a column in its row, which holds it.
+KEDGE_FUNCTION std::size_t find_entry(const View<std::size_t*>& row_begin, const View<unsigned int*>& column,
+                                      const unsigned int row, const unsigned int node)
+{
+  std::size_t low = row_begin(row), high = row_begin(row + 1);
+  while (high - low > 1)
+  {
+    const std::size_t middle = (low + high) / 2;
+    (column(middle) <= node ? low : high) = middle;
+  }
+  return low;
+}
+} // namespace
+
+void add_particle_mass(const ParticleArrays& particles, const StencilSet& stencils, const bool lumped,
+                       const NodeGraph& graph, const NodalMass& mass)
+{
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  Kokkos::parallel_for(
+      "particle mass", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_patterns),
+      KOKKOS_LAMBDA(const std::size_t pattern) {
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const unsigned int begin = stencils.pattern_particle_begin(pattern),
+                           end = stencils.pattern_particle_begin(pattern + 1);
+        for (unsigned int a = 0; a < n; ++a)
+        {
+          const unsigned int row = stencils.pattern_nodes(first + a);
+          for (unsigned int b = lumped ? a : 0; b < (lumped ? a + 1 : n); ++b)
+          {
+            double sum = 0.;
+            for (unsigned int i = begin; i < end; ++i)
+            {
+              const unsigned int p = stencils.pattern_particles(i);
+              const double* value = &stencils.value(stencils.value_begin(p));
+              sum += particles.mass(p) * value[a] * (lumped ? 1. : value[b]);
+            }
+            add_to(mass(find_entry(row_begin, column, row, stencils.pattern_nodes(first + b))), sum);
+          }
+        }
+      });
+}
+
+void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass)
+{
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  Kokkos::parallel_for(
+      "ghost mass", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
+        const double* J = &faces.value(faces.value_begin(f));
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            add_to(mass(find_entry(row_begin, column, faces.nodes(first + a), faces.nodes(first + b))),
+                   faces.mass(f) * J[a * n + b]);
+      });
+}
+
+void add_mass_times(const NodeGraph& graph, const NodalMass& mass, const double factor, const NodalVector& x,
+                    const NodalVector& result)
+{
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  const unsigned int dim = graph.dim;
+  Kokkos::parallel_for(
+      "mass times vector", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        for (unsigned int c = 0; c < dim; ++c)
+        {
+          double sum = 0.;
+          for (std::size_t k = row_begin(row); k < row_begin(row + 1); ++k)
+            sum += mass(k) * x(static_cast<std::size_t>(dim) * column(k) + c);
+          result(static_cast<std::size_t>(dim) * row + c) += factor * sum;
+        }
+      });
+}
+
+void add_mass_matrix(const NodeGraph& graph, const NodalMass& mass, const double factor, const View<double*>& values)
+{
+  const auto row_begin = graph.row_begin;
+  const unsigned int dim = graph.dim;
+  Kokkos::parallel_for(
+      "mass matrix", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        const std::size_t begin = row_begin(row), length = row_begin(row + 1) - begin;
+        double* block_row = &values(std::size_t(dim) * dim * begin);
+        for (std::size_t k = 0; k < length; ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            block_row[dim * (c * length + k) + c] += factor * mass(begin + k);
+      });
+}
+
+void add_particle_momentum(const ParticleArrays& particles, const StencilSet& stencils,
+                           const View<double* [3]>& quantity, const NodalVector& result)
+{
+  const unsigned int dim = stencils.dim;
+  Kokkos::parallel_for(
+      "particle momentum", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
+        const unsigned int pattern = stencils.pattern_of_particle(p);
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const double* value = &stencils.value(stencils.value_begin(p));
+        for (unsigned int v = 0; v < n; ++v)
+          for (unsigned int c = 0; c < dim; ++c)
+            add_to(result(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c),
+                   particles.mass(p) * value[v] * quantity(p, c));
+      });
+}
+
+View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x)
+{
+  const View<double* [3]> result("at particles", stencils.n_particles);
+  const unsigned int dim = stencils.dim;
+  Kokkos::parallel_for(
+      "interpolate", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles), KOKKOS_LAMBDA(const unsigned int p) {
+        const unsigned int pattern = stencils.pattern_of_particle(p);
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const double* value = &stencils.value(stencils.value_begin(p));
+        for (unsigned int v = 0; v < n; ++v)
+          for (unsigned int c = 0; c < dim; ++c)
+            result(p, c) += value[v] * x(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c);
+      });
+  return result;
+}
+
+NodalVector divide_by_mass(const NodalMass& mass, TpetraVector& right_side, System& system)
+{
+  system.clear_matrix();
+  add_mass_matrix(system.graph(), mass, 1., system.values());
+  system.finish_matrix();
+  system.zero_constrained(right_side);
+  TpetraVector solution(system.graph().row_map);
+  if (!solve_positive_definite(system.matrix(), right_side, solution, projection_tolerance))
+    throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
+                      "conditioned; a larger \"ghost factor mass\" or \"mass\": \"lumped\" helps",
+                      {});
+  return system.spread(solution);
+}
+
+NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
+                           const bool lumped, System& system)
+{
+  const NodeGraph& graph = system.graph();
+  NodalMotion motion;
+  motion.mass = NodalMass("nodal mass", graph.column.extent(0));
+  add_particle_mass(particles, stencils, lumped, graph, motion.mass);
+  if (faces.n_faces() > 0)
+    add_ghost_mass(faces, graph, motion.mass);
+
+  const auto project = [&](const View<double* [3]>& quantity)
+  {
+    const NodalVector momentum = system.make_nodal_vector();
+    add_particle_momentum(particles, stencils, quantity, momentum);
+    TpetraVector right_side(graph.row_map);
+    system.collect(momentum, right_side);
+    return divide_by_mass(motion.mass, right_side, system);
+  };
+  motion.velocity = project(particles.velocity);
+  motion.acceleration = project(particles.acceleration);
+  return motion;
+}
+
+namespace
+{
+/// Newmark's accelerations of all local nodes.
+NodalVector end_accelerations(const NodalMotion& motion, const Newmark& newmark, const NodalVector& increment)
+{
+  const NodalVector result("acceleration", increment.extent(0));
+  const NodalVector velocity = motion.velocity, acceleration = motion.acceleration;
+  Kokkos::parallel_for(
+      "Newmark", Kokkos::RangePolicy<ExecutionSpace>(0, increment.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+        result(i) = newmark.acceleration(increment(i), velocity(i), acceleration(i));
+      });
+  return result;
+}
+} // namespace
+
+void add_inertia_force(const NodeGraph& graph, const NodalMotion& motion, const Newmark& newmark,
+                       const NodalVector& increment, const NodalVector& force)
+{
+  add_mass_times(graph, motion.mass, 1., end_accelerations(motion, newmark, increment), force);
+}
+
+ParticleMotion particle_motion(const StencilSet& stencils, const NodalMotion& motion, const Newmark& newmark,
+                               const NodalVector& increment)
+{
+  const NodalVector end = end_accelerations(motion, newmark, increment);
+  const NodalVector change("velocity change", end.extent(0)), start = motion.acceleration;
+  Kokkos::parallel_for(
+      "velocity change", Kokkos::RangePolicy<ExecutionSpace>(0, end.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { change(i) = newmark.velocity_change(start(i), end(i)); });
+  return {interpolate_to_particles(stencils, change), interpolate_to_particles(stencils, end)};
+}
+} // namespace kedge

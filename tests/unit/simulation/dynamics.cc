@@ -1,0 +1,201 @@
+// Implicit dynamics of the soil: free motion is exact, momentum is kept, energy does not grow.
+#include "../bodies/shapes.h"
+#include <cmath>
+#include <gtest/gtest.h>
+#include <kedge/base/communication.h>
+#include <kedge/particles/generation.h>
+#include <kedge/simulation/step_problem.h>
+
+using namespace kedge;
+
+namespace
+{
+/// An elastic block of 4 x 4 x 2 cells with nothing that holds it and no face of the grid near.
+struct Block
+{
+  Block(const double young, const double gravity, const Newmark& newmark, const bool lumped = false)
+      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact({}, MPI_COMM_WORLD)
+  {
+    input.gravity = {{0., 0., gravity}};
+    input.solver.tolerance = 1e-11;
+    input.solver.ghost_factor = 0.1;
+    input.solver.ghost_factor_mass = 0.25;
+    input.solver.linear_solver = LinearSolverChoice::direct;
+    MaterialPointParameters& soil = input.material_points;
+    Layer layer;
+    layer.thickness = 1.;
+    layer.material.young = young;
+    layer.material.poisson = 0.3;
+    layer.material.density = 2000.;
+    soil.layers = {layer};
+    stage.stepping.type = StageType::dynamic;
+    stage.stepping.lumped_mass = lumped;
+    const FaceCondition free = FaceCondition::free;
+    stage.boundary_conditions.min = stage.boundary_conditions.max = {{free, free, free}};
+    load.newmark = newmark;
+
+    generate_particles(particles, mesh, soil, std::abs(gravity));
+    particles.remove_if(
+        [](const auto& particle)
+        {
+          const auto& x = particle.get_location();
+          return std::max(std::abs(x[0] - 1.), std::abs(x[1] - 1.)) > 0.5 || x[2] < 0.5;
+        });
+    particles.load();
+    materials = upload_materials({layer.material});
+  }
+
+  static GridLayout<3> layout()
+  {
+    GridLayout<3> grid;
+    grid.base_size = grid.finest_size = 0.25;
+    grid.base_cells = {{8, 8, 8}};
+    grid.soil_extent = {{2., 2., 1.}};
+    return grid;
+  }
+
+  /// Velocity (m/s) of every particle from its position (m).
+  template <typename Field> void set_velocities(const Field& field)
+  {
+    for (auto& particle : particles.handler())
+    {
+      const auto x = particle.get_location();
+      const Eigen::Vector3d v = field(Eigen::Vector3d(x[0], x[1], x[2]));
+      for (unsigned int d = 0; d < 3; ++d)
+        particle.get_properties()[field::velocity + d] = v[d];
+    }
+    particles.load();
+  }
+
+  void step()
+  {
+    StepProblem<3> problem(input, stage, mesh, particles, materials, bodies, contact, timings);
+    const NewtonReport newton = problem.solve(load, {});
+    ASSERT_TRUE(newton.converged) << newton.failure;
+    loads = problem.body_loads();
+    particles.commit(problem.particle_increments(), DomainUpdate::none);
+    particles.load();
+    for (std::size_t i = 0; i < bodies.points.size(); ++i)
+      bodies.points[i].pose = bodies.points[i].pose.moved(load.body_increments[i]);
+    contact.commit();
+    load.starts_at_rest = false;
+  }
+
+  /// Sum over the particles of all ranks of a vector that a function makes of mass, position and motion.
+  template <typename Quantity> Eigen::Vector3d sum(const Quantity& quantity) const
+  {
+    Eigen::Vector3d total = Eigen::Vector3d::Zero();
+    for (const auto& particle : particles.handler())
+    {
+      const double* data = particle.get_properties().data();
+      const auto x = particle.get_location();
+      total += quantity(data[field::mass], Eigen::Vector3d(x[0], x[1], x[2]),
+                        Eigen::Map<const Eigen::Vector3d>(data + field::velocity),
+                        Eigen::Map<const Eigen::Vector3d>(data + field::acceleration));
+    }
+    for (unsigned int d = 0; d < 3; ++d)
+      total[d] = sum_over_ranks(total[d], MPI_COMM_WORLD);
+    return total;
+  }
+  double mass() const
+  {
+    return sum([](double m, const auto&, const auto&, const auto&) { return Eigen::Vector3d(m, 0., 0.); })[0];
+  }
+  Eigen::Vector3d centre() const
+  {
+    return sum([](double m, const auto& x, const auto&, const auto&) { return Eigen::Vector3d(m * x); }) / mass();
+  }
+  Eigen::Vector3d momentum() const
+  {
+    return sum([](double m, const auto&, const auto& v, const auto&) { return Eigen::Vector3d(m * v); });
+  }
+  /// About the origin.
+  Eigen::Vector3d angular_momentum() const
+  {
+    return sum([](double m, const auto& x, const auto& v, const auto&) { return Eigen::Vector3d(m * x.cross(v)); });
+  }
+
+  Input input;
+  Stage stage;
+  BackgroundMesh<3> mesh;
+  ParticleSet<3> particles;
+  Contact<3> contact;
+  Materials materials;
+  RigidSystems bodies;
+  Timings timings;
+  StepProblem<3>::Load load;
+  BodyLoads loads;
+};
+
+class FreeFall : public testing::TestWithParam<std::tuple<bool, double, double>>
+{
+};
+} // namespace
+
+TEST_P(FreeFall, IsExact)
+{
+  const auto [lumped, beta, gamma] = GetParam();
+  Block block(1e6, 9.81, {beta, gamma, 0.01}, lumped);
+  block.load.starts_at_rest = true;
+  const double start = block.centre()[2];
+  const unsigned int n_steps = 12;
+  for (unsigned int step = 0; step < n_steps; ++step)
+    block.step();
+  const double t = 0.01 * n_steps;
+  EXPECT_NEAR(block.momentum()[2] / block.mass(), 9.81 * t, 1e-9 * 9.81 * t);
+  if (gamma == 0.5) // a damped scheme gains dt/2 of the way
+    EXPECT_NEAR(block.centre()[2] - start, 0.5 * 9.81 * t * t, 1e-9);
+  const Eigen::Vector3d sideways = block.momentum() / block.mass();
+  EXPECT_NEAR(sideways.head<2>().norm(), 0., 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Dynamics, FreeFall,
+                         testing::Values(std::make_tuple(false, 0.25, 0.5), std::make_tuple(true, 0.25, 0.5),
+                                         std::make_tuple(false, 0.5, 1.0)));
+
+TEST(Dynamics, RigidMotionKeepsMomentumAndSpin)
+{
+  Block block(1e7, -9.81, {0.25, 0.5, 2e-3});
+  block.load.starts_at_rest = true;
+  const Eigen::Vector3d spin(0., 2., 0.), drift(1., 0., 0.5), pivot = block.centre();
+  block.set_velocities([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(drift + spin.cross(x - pivot)); });
+  const Eigen::Vector3d p = block.momentum(), l = block.angular_momentum();
+  const unsigned int n_steps = 20;
+  for (unsigned int step = 0; step < n_steps; ++step)
+    block.step();
+  const Eigen::Vector3d fallen(0., 0., -9.81 * block.mass() * n_steps * block.load.newmark.dt);
+  EXPECT_LT((block.momentum() - p - fallen).norm(), 1e-8 * p.norm());
+  const Eigen::Vector3d of_centre = block.centre().cross(block.momentum()) - pivot.cross(p);
+  EXPECT_LT((block.angular_momentum() - of_centre - l).norm(), 1e-4 * (l - pivot.cross(p)).norm());
+}
+
+TEST(Dynamics, MomentumBalancesContactAndWeight)
+{
+  Block block(1e6, -9.81, {0.25, 0.5, 1e-3});
+  block.stage.rigid_bodies = true;
+  block.bodies.points.emplace_back();
+  block.bodies.points[0].pose.position = {1., 1., 1.};
+  block.bodies.surfaces.push_back({Surface(test::box({-0.3, -0.3, 0.}, {0.3, 0.3, 0.5})), 0});
+  Vector6 push = Vector6::Zero();
+  push[2] = -2e-3;
+  block.load.body_increments = {push};
+  block.load.starts_at_rest = true;
+  const double dt = block.load.newmark.dt, gamma = block.load.newmark.gamma;
+  Eigen::Vector3d before = Eigen::Vector3d::Zero();
+  for (unsigned int step = 0; step < 3; ++step)
+  {
+    const Eigen::Vector3d start = block.momentum();
+    block.step();
+    const Eigen::Vector3d force = -block.loads[0].head<3>() + block.mass() * Eigen::Vector3d(0., 0., -9.81);
+    ASSERT_GT(block.loads[0].head<3>().norm(), 1e2);
+    const Eigen::Vector3d ma =
+        block.sum([](double m, const auto&, const auto&, const auto& a) { return Eigen::Vector3d(m * a); });
+    EXPECT_LT((ma - force).norm(), 1e-8 * force.norm()) << "step " << step;
+    if (step > 0)
+    {
+      const Eigen::Vector3d impulse = dt * ((1. - gamma) * before + gamma * force);
+      EXPECT_LT((block.momentum() - start - impulse).norm(), 1e-8 * impulse.norm()) << "step " << step;
+    }
+    before = force;
+  }
+}
