@@ -197,6 +197,7 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);
     pair.active = response.active;
     pair.force = response.force;
+    pair.tangent = response.tangent;
     pair.trial.tangential = response.tangential;
     if (!response.active)
       continue;

@@ -2,6 +2,7 @@
 #include <BelosBlockGmresSolMgr.hpp>
 #include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
+#include <Eigen/LU>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
@@ -50,7 +51,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
 }
 
 /// False where the matrix is singular. All on one process.
-bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& b, TpetraVector& x)
+bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const MultiVector& b, MultiVector& x)
 {
   const auto solver = Amesos2::create<TpetraMatrix, MultiVector>("KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x),
                                                                  Teuchos::rcpFromRef<const MultiVector>(b));
@@ -62,7 +63,9 @@ bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const T
   {
     return false;
   }
-  return std::isfinite(x.norm2());
+  std::vector<double> norms(x.getNumVectors());
+  x.norm2(Teuchos::arrayViewFromVector(norms));
+  return std::all_of(norms.begin(), norms.end(), [](const double norm) { return std::isfinite(norm); });
 }
 
 /// Over all ranks.
@@ -115,6 +118,45 @@ public:
 private:
   TpetraVector inverse;
 };
+
+/// B^T x, the same on all ranks.
+Eigen::VectorXd multiply_rows(const Border& border, const MultiVector& x)
+{
+  Eigen::VectorXd result(border.corner.rows());
+  for (Eigen::Index i = 0; i < result.size(); ++i)
+    result[i] = border.rows->getVector(i)->dot(*x.getVector(0));
+  return result;
+}
+
+/// x += factor * C y
+void add_columns(const Border& border, const double factor, const Eigen::VectorXd& y, MultiVector& x)
+{
+  for (Eigen::Index i = 0; i < y.size(); ++i)
+    x.update(factor * y[i], *border.columns->getVector(i), 1.);
+}
+
+/// A - C R^-1 B^T: what is left of a bordered matrix when the border's unknowns are eliminated.
+class Eliminated : public Operator
+{
+public:
+  Eliminated(const Teuchos::RCP<const Operator>& matrix_, const Border& border_,
+             const Eigen::PartialPivLU<Eigen::MatrixXd>& corner_)
+      : matrix(matrix_), border(border_), corner(corner_)
+  {
+  }
+  Teuchos::RCP<const TpetraMap> getDomainMap() const override { return matrix->getDomainMap(); }
+  Teuchos::RCP<const TpetraMap> getRangeMap() const override { return matrix->getRangeMap(); }
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override
+  {
+    matrix->apply(x, y, Teuchos::NO_TRANS, alpha, beta);
+    add_columns(border, -alpha, corner.solve(multiply_rows(border, x)), y);
+  }
+
+private:
+  Teuchos::RCP<const Operator> matrix;
+  const Border& border;
+  const Eigen::PartialPivLU<Eigen::MatrixXd>& corner;
+};
 } // namespace
 
 struct LinearSolver::Implementation
@@ -125,6 +167,7 @@ struct LinearSolver::Implementation
   Teuchos::RCP<MultiVector> near_null_space;
   std::unique_ptr<NearMatrix> near; ///< what the hierarchy is built from, where the nodes' places are known
   Teuchos::RCP<Hierarchy> hierarchy;
+  Teuchos::RCP<const Operator> eliminated; ///< what GMRES sees in place of the matrix while there is a border
   bool strong_hierarchy = false;
   unsigned int fresh_iterations = 0, last_iterations = 0; ///< of the present hierarchy
 
@@ -154,34 +197,56 @@ struct LinearSolver::Implementation
     strong_hierarchy = strong;
   }
 
-  LinearReport solve_direct(const TpetraVector& b, TpetraVector& x) const
+  /// Solves A x = b for several right sides.
+  bool solve_all(const MultiVector& b, MultiVector& x) const
+  {
+    return matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
+  }
+
+  /// With a border: x = A^-1 b - Z y with Z = A^-1 C, (R - B^T Z) y = c - B^T A^-1 b.
+  LinearReport solve_direct(const TpetraVector& b, const Eigen::VectorXd& c, const Border& border, TpetraVector& x,
+                            Eigen::VectorXd& y) const
   {
     LinearReport report;
     report.method = "KLU2";
     report.iterations = 1;
-    report.converged =
-        matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
+    const std::size_t n = c.size();
+    MultiVector right_sides(b.getMap(), n + 1), solutions(b.getMap(), n + 1);
+    Tpetra::deep_copy(*right_sides.getVectorNonConst(0), b);
+    for (std::size_t i = 0; i < n; ++i)
+      Tpetra::deep_copy(*right_sides.getVectorNonConst(i + 1), *border.columns->getVector(i));
+    report.converged = solve_all(right_sides, solutions);
+    Tpetra::deep_copy(x, *solutions.getVector(0));
+    if (n == 0 || !report.converged)
+      return report;
+    Eigen::MatrixXd reduced = border.corner;
+    for (std::size_t i = 0; i < n; ++i)
+      reduced.col(i) -= multiply_rows(border, *solutions.getVector(i + 1));
+    y = reduced.partialPivLu().solve(c - multiply_rows(border, x));
+    for (std::size_t i = 0; i < n; ++i)
+      x.update(-y[i], *solutions.getVector(i + 1), 1.);
+    report.converged = y.allFinite();
     return report;
   }
 
   /// Collects the system on rank 0, for KLU2 as above.
-  bool solve_on_first_rank(const TpetraVector& b, TpetraVector& x) const
+  bool solve_on_first_rank(const MultiVector& b, MultiVector& x) const
   {
     const auto communicator = matrix->getComm();
-    const std::size_t n = matrix->getGlobalNumRows();
+    const std::size_t n = matrix->getGlobalNumRows(), n_sides = b.getNumVectors();
     const bool first = communicator->getRank() == 0;
     const auto map = Teuchos::rcp(new TpetraMap(n, first ? n : 0, 0, communicator));
     const TpetraImport to_first(matrix->getRowMap(), map);
     const std::size_t longest_row = find_longest_row(*matrix);
     TpetraMatrix gathered(map, map, longest_row);
     gathered.doImport(*matrix, to_first, Tpetra::INSERT);
-    TpetraVector gathered_b(map), gathered_x(map);
+    MultiVector gathered_b(map, n_sides), gathered_x(map, n_sides);
     gathered_b.doImport(b, to_first, Tpetra::INSERT);
     int solved = 1;
     if (first)
     {
       const auto local = copy_to_self(gathered, longest_row);
-      TpetraVector local_b(local->getRowMap()), local_x(local->getRowMap());
+      MultiVector local_b(local->getRowMap(), n_sides), local_x(local->getRowMap(), n_sides);
       Kokkos::deep_copy(local_b.getLocalViewHost(Tpetra::Access::OverwriteAll),
                         gathered_b.getLocalViewHost(Tpetra::Access::ReadOnly));
       solved = factorise_and_solve(local, local_b, local_x);
@@ -197,8 +262,10 @@ struct LinearSolver::Implementation
                             const unsigned int max_iterations) const
   {
     x.putScalar(0.);
+    const Teuchos::RCP<const Operator> system =
+        eliminated.is_null() ? Teuchos::rcp_implicit_cast<const Operator>(matrix) : eliminated;
     auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
-        matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
+        system, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
     problem->setRightPrec(hierarchy);
     problem->setProblem();
     const auto list = Teuchos::parameterList();
@@ -222,6 +289,33 @@ struct LinearSolver::Implementation
       report.converged = false;
     }
     report.iterations = solver.getNumIters();
+    return report;
+  }
+
+  /// With the present hierarchy, then a fresh one, then one with a stronger smoother.
+  LinearReport solve_iteratively(const TpetraVector& b, TpetraVector& x, const double tolerance)
+  {
+    const unsigned int limit = parameters.max_linear_iterations;
+    LinearReport report;
+    unsigned int iterations = 0;
+    if (keeps_hierarchy())
+    {
+      report = solve_krylov(b, x, tolerance, std::min(limit, fresh_iterations + 3 * worth_a_rebuild));
+      iterations += report.iterations;
+      last_iterations = report.iterations;
+    }
+    for (const bool strong : {false, true})
+      if (!report.converged)
+      {
+        build_hierarchy(strong);
+        report = solve_krylov(b, x, tolerance, limit);
+        iterations += report.iterations;
+        report.escalations = strong;
+        fresh_iterations = last_iterations = report.iterations;
+      }
+    if (report.escalations > 0)
+      report.method = "GMRES with a stronger smoother";
+    report.iterations = iterations;
     return report;
   }
 };
@@ -248,38 +342,39 @@ void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
 
 LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x, const double relative_tolerance)
 {
+  Eigen::VectorXd none;
+  return solve(right_side, none, {}, x, none, relative_tolerance);
+}
+
+LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::VectorXd& border_right_side,
+                                 const Border& border, TpetraVector& x, Eigen::VectorXd& y,
+                                 const double relative_tolerance)
+{
   Implementation& solver = *implementation;
   if (solver.prefers_direct())
-    return solver.solve_direct(right_side, x);
+    return solver.solve_direct(right_side, border_right_side, border, x, y);
 
-  const unsigned int limit = solver.parameters.max_linear_iterations;
   LinearReport report;
-  unsigned int iterations = 0, escalations = 0;
-  if (solver.keeps_hierarchy())
+  if (border.empty())
+    report = solver.solve_iteratively(right_side, x, relative_tolerance);
+  else
   {
-    report = solver.solve_krylov(right_side, x, relative_tolerance,
-                                 std::min(limit, solver.fresh_iterations + 3 * worth_a_rebuild));
-    iterations += report.iterations;
-    solver.last_iterations = report.iterations;
+    const Eigen::PartialPivLU<Eigen::MatrixXd> corner(border.corner);
+    TpetraVector reduced(right_side, Teuchos::Copy);
+    add_columns(border, -1., corner.solve(border_right_side), reduced);
+    solver.eliminated = Teuchos::rcp(new Eliminated(solver.matrix, border, corner));
+    report = solver.solve_iteratively(reduced, x, relative_tolerance);
+    solver.eliminated = Teuchos::null;
+    y = corner.solve(border_right_side - multiply_rows(border, x));
+    report.converged = report.converged && y.allFinite();
   }
-  for (const bool strong : {false, true})
-    if (!report.converged)
-    {
-      solver.build_hierarchy(strong);
-      report = solver.solve_krylov(right_side, x, relative_tolerance, limit);
-      iterations += report.iterations;
-      escalations += strong;
-      solver.fresh_iterations = solver.last_iterations = report.iterations;
-    }
-  if (escalations > 0)
-    report.method = "GMRES with a stronger smoother";
   if (!report.converged && solver.matrix->getGlobalNumRows() < never_direct_above)
   {
-    report = solver.solve_direct(right_side, x);
-    ++escalations;
+    LinearReport direct = solver.solve_direct(right_side, border_right_side, border, x, y);
+    direct.iterations = report.iterations;
+    direct.escalations = report.escalations + 1;
+    return direct;
   }
-  report.iterations = iterations;
-  report.escalations = escalations;
   return report;
 }
 

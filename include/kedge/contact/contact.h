@@ -24,6 +24,21 @@ template <int dim> struct ContactParticles
 /// Force (N) and moment (N m, about the point) that the soil exerts on each rigid point, summed over all ranks.
 using BodyLoads = std::vector<Vector6>;
 
+/// How contact couples soil and bodies at the last evaluation: exact derivatives, where the motion of a rigid point is
+/// its velocity and spin in world axes (generalised_map turns increments into them).
+struct ContactCoupling
+{
+  struct Entry
+  {
+    unsigned int contact_point; ///< of PointForces, on this rank
+    unsigned int rigid_point;
+    Eigen::Matrix<double, 3, 6> force_by_body; ///< of the force on the soil
+    Eigen::Matrix<double, 6, 3> load_by_soil;  ///< of the load on the rigid point, by the soil point's displacement
+  };
+  std::vector<Entry> entries;
+  std::vector<Eigen::Matrix<double, 6, 6>> load_by_body; ///< per rigid point, over all ranks
+};
+
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
 /// by penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is
 /// kept per (particle, corner, surface) and follows particles from rank to rank.
@@ -50,6 +65,9 @@ public:
 
   /// Loads of the last evaluation on the bodies. Collective.
   BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
+
+  /// Derivatives of the last evaluation. Collective.
+  ContactCoupling coupling(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
 
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
   void commit();
@@ -103,6 +121,7 @@ private:
     double gap = 0.; ///< signed distance in the last evaluation
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
   Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;

@@ -1,6 +1,7 @@
 // Linear systems: GMRES with algebraic multigrid, or a direct factorisation.
 #pragma once
 
+#include <kedge/solvers/border.h>
 #include <kedge/solvers/near_matrix.h>
 #include <kedge/solvers/parameters.h>
 #include <memory>
@@ -32,6 +33,11 @@ public:
   /// Solves to the given relative residual. A failed Krylov solve is repeated with a fresh hierarchy and, where the
   /// size allows it, by a factorisation. `x` need not be set. Collective.
   LinearReport solve(const TpetraVector& right_side, TpetraVector& x, double relative_tolerance);
+
+  /// The same for a matrix with a border. The few unknowns y are eliminated, so GMRES sees A - C R^-1 B^T and the
+  /// multigrid is still that of A. Does not converge where R is singular. Collective.
+  LinearReport solve(const TpetraVector& right_side, const Eigen::VectorXd& border_right_side, const Border& border,
+                     TpetraVector& x, Eigen::VectorXd& y, double relative_tolerance);
 
 private:
   struct Implementation;

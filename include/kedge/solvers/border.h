@@ -1,0 +1,19 @@
+// A few unknowns beside many: dense columns and rows that border a sparse matrix.
+#pragma once
+
+#include <Eigen/Core>
+#include <kedge/base/tpetra.h>
+
+namespace kedge
+{
+/// The system [A C; B^T R] [x; y] = [b; c] with few unknowns y, known to every rank. C and B have a column for each of
+/// them on the row map of A. Without columns the border is empty.
+struct Border
+{
+  Teuchos::RCP<TpetraMultiVector> columns; ///< C
+  Teuchos::RCP<TpetraMultiVector> rows;    ///< B
+  Eigen::MatrixXd corner;                  ///< R
+
+  bool empty() const { return corner.size() == 0; }
+};
+} // namespace kedge

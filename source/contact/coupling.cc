@@ -1,0 +1,41 @@
+#include <kedge/base/communication.h>
+#include <kedge/contact/contact.h>
+
+namespace kedge
+{
+/// The contact law lives in the body's frame: the force turns with the body and depends on where the soil point is in
+/// that frame alone. With K = d f / d x, r the arm and w the spin, a rate of the body changes f by -K v + (K [r] - [f])
+/// w.
+template <int dim>
+ContactCoupling Contact<dim>::coupling(const RigidSystems& committed, const std::vector<Vector6>& increments) const
+{
+  ContactCoupling result;
+  result.load_by_body.assign(committed.points.size(), Eigen::Matrix<double, 6, 6>::Zero());
+  for (const Pair& pair : pairs)
+  {
+    if (!pair.active)
+      continue;
+    const unsigned int body = committed.surfaces[pair.key.surface].point;
+    const Eigen::Matrix3d arm = skew(pair.position - committed.points[body].pose.moved(increments[body]).position);
+    const Eigen::Matrix3d force = skew(pair.force);
+    ContactCoupling::Entry entry;
+    entry.contact_point = pair.point;
+    entry.rigid_point = body;
+    entry.force_by_body << -pair.tangent, pair.tangent * arm - force;
+    entry.load_by_soil << -pair.tangent, force - arm * pair.tangent;
+    // the load is -(f, r x f), and r changes with the body, too
+    Eigen::Matrix<double, 6, 6>& load = result.load_by_body[body];
+    load.template topRows<3>() -= entry.force_by_body;
+    load.template bottomRows<3>() -= arm * entry.force_by_body;
+    load.template bottomLeftCorner<3, 3>() -= force;
+    result.entries.push_back(entry);
+  }
+  if (!result.load_by_body.empty())
+    MPI_Allreduce(MPI_IN_PLACE, result.load_by_body.data(), 36 * result.load_by_body.size(), MPI_DOUBLE, MPI_SUM,
+                  communicator);
+  return result;
+}
+
+template ContactCoupling Contact<2>::coupling(const RigidSystems&, const std::vector<Vector6>&) const;
+template ContactCoupling Contact<3>::coupling(const RigidSystems&, const std::vector<Vector6>&) const;
+} // namespace kedge

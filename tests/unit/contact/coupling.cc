@@ -1,0 +1,113 @@
+// Derivatives of contact forces and loads with respect to the bodies' motion, against central differences.
+#include "pressed_block.h"
+#include <cmath>
+#include <gtest/gtest.h>
+#include <kedge/base/communication.h>
+
+using namespace kedge;
+
+namespace
+{
+template <typename Dimension> struct ContactCouplings : testing::Test
+{
+};
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(ContactCouplings, Dimensions, test::DimensionName);
+
+/// Some corners stick and others slide under this motion of the box, which tilts as it goes down.
+template <int dim> Vector6 motion()
+{
+  Vector6 increment;
+  increment << 2e-3, dim == 3 ? 1e-3 : 0., -4e-3, dim == 3 ? 1e-3 : 0., 2e-3, dim == 3 ? 3e-3 : 0.;
+  return increment;
+}
+
+double wave(const unsigned int axis, const double x) { return 1e-3 * std::sin(3. * x + axis); }
+
+template <int dim> struct Forces
+{
+  std::vector<double> on_soil;
+  Vector6 on_body;
+};
+
+template <int dim> Forces<dim> forces_at(test::PressedBlock<dim>& block, const Vector6& increment)
+{
+  const PointForces& points = block.evaluate([](const auto& x, unsigned int d) { return wave(d, x[0]); }, increment);
+  return {points.force, block.load()};
+}
+} // namespace
+
+TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
+{
+  constexpr int dim = TypeParam::value;
+  test::PressedBlock<dim> block(0.4, 0.01);
+  block.find_pairs(0.1);
+  const Vector6 at = motion<dim>();
+  forces_at<dim>(block, at);
+  const ContactCoupling coupling = block.contact.coupling(block.bodies, {at});
+  // rates of the increments are velocity and, through the tangent of the exponential map, spin
+  Eigen::Matrix<double, 6, 6> map = Eigen::Matrix<double, 6, 6>::Identity();
+  map.bottomRightCorner<3, 3>() = rotation_tangent(at.tail<3>());
+
+  constexpr double h = 1e-7;
+  for (unsigned int j = 0; j < 6; ++j)
+  {
+    if (dim == 2 && (j == 1 || j == 3 || j == 5))
+      continue;
+    Vector6 up = at, down = at;
+    up[j] += h;
+    down[j] -= h;
+    const Forces<dim> high = forces_at<dim>(block, up), low = forces_at<dim>(block, down);
+    std::vector<double> exact(high.on_soil.size(), 0.);
+    double size = 0., error = 0.;
+    for (const ContactCoupling::Entry& entry : coupling.entries)
+    {
+      const Eigen::Vector3d column = (entry.force_by_body * map).col(j);
+      for (unsigned int i = 0; i < dim; ++i)
+        exact[3 * entry.contact_point + i] += column[dim == 2 && i == 1 ? 2 : i];
+    }
+    for (std::size_t i = 0; i < exact.size(); ++i)
+    {
+      const double difference = (high.on_soil[i] - low.on_soil[i]) / (2. * h);
+      size = std::max(size, std::abs(difference));
+      error = std::max(error, std::abs(difference - exact[i]));
+    }
+    if (!exact.empty())
+      EXPECT_LT(error, 1e-6 * std::max(size, 1.)) << "force, dof " << j;
+    const Vector6 difference = (high.on_body - low.on_body) / (2. * h);
+    EXPECT_LT((difference - (coupling.load_by_body[0] * map).col(j)).norm(), 1e-6 * difference.norm()) << "dof " << j;
+  }
+}
+
+TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
+{
+  constexpr int dim = TypeParam::value;
+  test::PressedBlock<dim> block(0.4, 0.01);
+  block.find_pairs(0.1);
+  const Vector6 at = motion<dim>();
+  const auto load_at = [&](const double share, const unsigned int axis)
+  {
+    block.evaluate(
+        [&](const auto& x, unsigned int d) { return wave(d, x[0]) + (d == axis ? share * (1. + x[0]) : 0.); }, at);
+    return block.load();
+  };
+  constexpr double h = 1e-7;
+  for (unsigned int axis = 0; axis < dim; ++axis)
+  {
+    const Vector6 difference = (load_at(h, axis) - load_at(-h, axis)) / (2. * h);
+    load_at(0., axis);
+    const ContactCoupling coupling = block.contact.coupling(block.bodies, {at});
+    const PointForces& points = block.contact.points_of_last_evaluation();
+    Vector6 exact = Vector6::Zero();
+    for (const ContactCoupling::Entry& entry : coupling.entries)
+    {
+      double displacement = 0.;
+      for (unsigned int v = points.begin[entry.contact_point]; v < points.begin[entry.contact_point + 1]; ++v)
+        displacement += points.weights[v] * (1. + block.node_position(points.nodes[v])[0]);
+      exact += entry.load_by_soil.col(dim == 2 && axis == 1 ? 2 : axis) * displacement;
+    }
+    for (unsigned int i = 0; i < 6; ++i)
+      exact[i] = sum_over_ranks(exact[i], MPI_COMM_WORLD);
+    EXPECT_LT((difference - exact).norm(), 1e-6 * difference.norm()) << "axis " << axis;
+  }
+}
