@@ -1,8 +1,5 @@
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
-#include <fmt/format.h>
 #include <kedge/bodies/rigid_balance.h>
 #include <limits>
 
@@ -85,44 +82,6 @@ void add_joint(const Joint& joint, const RigidSystems& systems, const std::vecto
     }
   }
 }
-
-/// Pivots below this share of the largest count as zero: a penalty of 1e10 beside a weight of 10 leaves 1e-9.
-constexpr double singular_pivot = 1e-13;
-
-/// Scaling that makes the largest entry of each row of S A S about one: newtons, metres and radians lose their units.
-Eigen::VectorXd row_scaling(const Eigen::MatrixXd& tangent)
-{
-  Eigen::VectorXd scaling = tangent.cwiseAbs().rowwise().maxCoeff();
-  for (double& entry : scaling)
-    entry = entry > 0. ? 1. / std::sqrt(entry) : 1.;
-  return scaling;
-}
-
-/// Tangent^-1 residual; where the tangent is singular, the shortest vector that leaves the least residual.
-Eigen::VectorXd solve_scaled(const RigidBalance& balance, const bool singular)
-{
-  const Eigen::VectorXd scaling = row_scaling(balance.tangent);
-  const Eigen::MatrixXd matrix = scaling.asDiagonal() * balance.tangent * scaling.asDiagonal();
-  const Eigen::VectorXd residual = scaling.cwiseProduct(balance.residual);
-  // Elimination keeps bodies that do not touch apart to the last digit; the orthogonal factors do not.
-  if (!singular)
-    return scaling.cwiseProduct(matrix.partialPivLu().solve(residual));
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(singular_pivot);
-  factors.compute(matrix);
-  return scaling.cwiseProduct(factors.solve(residual));
-}
-
-/// Most that a body turns in one iteration, rad: the tangent knows only little of where larger rotations lead.
-constexpr double largest_turn = 0.5;
-
-/// Newton has converged where no residual exceeds the tolerance.
-bool is_balanced(const RigidBalance& balance, const double tolerance)
-{
-  // A term of round_off passes through a few operations, hence the factor.
-  return (balance.residual.array().abs() <= tolerance * balance.magnitude.array() + 8. * balance.round_off.array())
-      .all();
-}
 } // namespace
 
 RigidBalance rigid_balance(const RigidSystems& systems, const RigidStep& step, const std::vector<Vector6>& increments,
@@ -164,61 +123,5 @@ std::vector<Vector6> rigid_reactions(const RigidSystems& systems, const RigidBal
     reactions.push_back(reaction);
   }
   return reactions;
-}
-
-std::string unsupported_dof(const RigidSystems& systems, const RigidBalance& balance)
-{
-  if (balance.tangent.size() == 0)
-    return "";
-  const Eigen::VectorXd scaling = row_scaling(balance.tangent);
-  Eigen::FullPivLU<Eigen::MatrixXd> factors(scaling.asDiagonal() * balance.tangent * scaling.asDiagonal());
-  factors.setThreshold(singular_pivot);
-  if (factors.isInvertible())
-    return "";
-  Eigen::Index largest;
-  (scaling.asDiagonal() * factors.kernel().col(0)).cwiseAbs().maxCoeff(&largest);
-  const FreeDof free = free_dofs(systems)[largest];
-  std::size_t system = systems.first_point.size();
-  while (system > 1 && systems.first_point[system - 1] > free.point)
-    --system;
-  const unsigned int first = systems.first_point.empty() ? 0 : systems.first_point[system - 1];
-  const char* const names[] = {"along x", "along y", "along z", "about x", "about y", "about z"};
-  return fmt::format("point {} of system {}, {}", free.point - first + 1, system, names[free.dof]);
-}
-
-RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const PointLoads& loads,
-                                 const double tolerance, const unsigned int max_iterations)
-{
-  const std::vector<FreeDof> dofs = free_dofs(systems);
-  RigidSolution solution;
-  solution.increments = start_increments(systems, step);
-  while (true)
-  {
-    solution.balance = rigid_balance(systems, step, solution.increments, loads);
-    solution.converged = is_balanced(solution.balance, tolerance);
-    if (solution.converged)
-      return solution;
-    if (solution.iterations == max_iterations)
-    {
-      solution.failure = fmt::format("the rigid bodies are not balanced after {} iterations", max_iterations);
-      return solution;
-    }
-    const std::string loose = unsupported_dof(systems, solution.balance);
-    if (!loose.empty() && solution.iterations > 0)
-    {
-      solution.failure = "a free rigid dof has neither stiffness nor inertia: " + loose;
-      return solution;
-    }
-    // A relaxed joint does not yet hold a hanging body upright. The shortest solution lets the joints take up what they
-    // can carry, and their tension then gives the stiffness that was missing, or there is none.
-    Eigen::VectorXd change = solve_scaled(solution.balance, !loose.empty());
-    double turn = 0.;
-    for (std::size_t i = 0; i < dofs.size(); ++i)
-      turn = std::max(turn, dofs[i].dof < 3 ? 0. : std::abs(change[i]));
-    change *= std::min(1., largest_turn / turn);
-    for (std::size_t i = 0; i < dofs.size(); ++i)
-      solution.increments[dofs[i].point][dofs[i].dof] -= change[i];
-    ++solution.iterations;
-  }
 }
 } // namespace kedge

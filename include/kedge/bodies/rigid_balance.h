@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <kedge/bodies/rigid_motion.h>
-#include <string>
 #include <vector>
 
 namespace kedge
@@ -45,22 +44,4 @@ Eigen::Matrix<double, 6, 6> generalised_map(const Vector6& increment);
 /// in world axes; zero on free dofs.
 std::vector<Vector6> rigid_reactions(const RigidSystems& systems, const RigidBalance& balance,
                                      const std::vector<Vector6>& increments);
-
-/// Name of the dof that can move without resistance if the tangent is singular, such as "point 2 of system 1, about y";
-/// else empty.
-std::string unsupported_dof(const RigidSystems& systems, const RigidBalance& balance);
-
-struct RigidSolution
-{
-  bool converged = false;
-  unsigned int iterations = 0;     ///< linear systems solved
-  std::vector<Vector6> increments; ///< of all points
-  RigidBalance balance;            ///< at these increments
-  std::string failure;             ///< why it did not converge; empty if it did
-};
-
-/// Newton's method for bodies without soil, from start_increments(). Converged when each residual is below
-/// `tolerance` times the terms it is made of. Commits nothing.
-RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const PointLoads& loads = {},
-                                 double tolerance = 1e-8, unsigned int max_iterations = 20);
 } // namespace kedge

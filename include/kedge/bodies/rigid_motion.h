@@ -12,7 +12,9 @@
 
 namespace kedge
 {
-/// What a step asks of the rigid points.
+/// What a step asks of the rigid points. The accelerations at the start of a step count unless beta = 1/2 and gamma
+/// = 1. Where they are not known, as at the start of a stage, a first step with that pair finds them and costs no
+/// order.
 struct RigidStep
 {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero(); ///< m/s2, with the load factor of the step

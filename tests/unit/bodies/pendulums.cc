@@ -94,15 +94,31 @@ TEST(Pendulum, NewtonNeedsFewIterations)
 
 TEST(Pendulum, HangsStillAtEquilibrium)
 {
-  RigidSystems systems = shank.hung(stiff_hinge, 0.3);
-  const RigidStep step = dynamic_step(0., 0.25, 0.5);
-  const RigidSolution solution = advance(systems, step);
-  EXPECT_NEAR(systems.points[1].pose.position[0], 0., 1e-7);
-  EXPECT_NEAR(turned_about_y(systems.points[1]), 0.3, 1e-7);
-  const double weight = shank.mass * gravity;
-  EXPECT_NEAR(systems.points[1].pose.position[2], -shank.arm - weight / 1e9, 1e-9);
-  const Vector6 reaction = rigid_reactions(systems, solution.balance, solution.increments)[0];
-  EXPECT_NEAR((reaction - increment({0., 0., weight}, Vector3d::Zero())).norm(), 0., 1e-4 * weight);
+  // from where its relaxed hinge has no stiffness at all against its falling
+  for (const double angle : {0., 0.3, 1.5})
+  {
+    RigidSystems systems = shank.hung(stiff_hinge, angle);
+    const RigidSolution solution = advance(systems, dynamic_step(0., 0.25, 0.5));
+    EXPECT_NEAR(systems.points[1].pose.position[0], 0., 1e-7);
+    EXPECT_NEAR(turned_about_y(systems.points[1]), angle, 1e-7);
+    const double weight = shank.mass * gravity;
+    EXPECT_NEAR(systems.points[1].pose.position[2], -shank.arm - weight / 1e9, 1e-9);
+    const Vector6 reaction = rigid_reactions(systems, solution.balance, solution.increments)[0];
+    EXPECT_NEAR((reaction - increment({0., 0., weight}, Vector3d::Zero())).norm(), 0., 1e-4 * weight);
+  }
+}
+
+TEST(Pendulum, HangsFromARodThatHoldsItByTensionAlone)
+{
+  // A relaxed rod stiffens its own line only, and a taut one does not mind bodies that spin about it.
+  RigidSystems systems =
+      chain({point_at({}, false), point_at({0., 0., -1.}, true, 10.)}, {rod({}, {0., 0., -1.}, 1., 1e9)});
+  const double x = 0.6; // of 1: drawn upright, then carried aside
+  systems.points[1].pose.position = {x, 0., -std::sqrt(1. - x * x)};
+  systems.points[1].pose.rotation = rotation_from_vector({0., -std::asin(x), 0.});
+  advance(systems, dynamic_step(0., 0.25, 0.5));
+  // aside by no more than the tolerance of the force over a stiffness of weight / length
+  EXPECT_NEAR((systems.points[1].pose.position - Vector3d(0., 0., -1. - 98.1e-9)).norm(), 0., 1e-7);
 }
 
 /// Angles and their rates of a plane double pendulum of compound bodies, by the classical Runge-Kutta method in

@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <gtest/gtest.h>
-#include <kedge/bodies/rigid_balance.h>
+#include <kedge/bodies/rigid_newton.h>
 
 namespace kedge::test
 {
