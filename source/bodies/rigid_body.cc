@@ -3,6 +3,49 @@
 
 namespace kedge
 {
+namespace
+{
+/// Coefficients of T = I + b S + c S^2, S = skew(theta), and their changes with the angle over the angle.
+struct TangentCoefficients
+{
+  double b = 0., c = 0., b_change = 0., c_change = 0.;
+};
+
+TangentCoefficients tangent_coefficients(const double angle)
+{
+  const double square = angle * angle;
+  TangentCoefficients sum;
+  // Below the switch the closed forms lose digits to cancellation and nine terms of the series reach round-off.
+  if (angle < 0.5)
+  {
+    double b = 1. / 2., c = 1. / 6., power = 1., previous = 0.; // coefficients, angle^(2k), angle^(2k-2)
+    for (int k = 0; k < 9; ++k)
+    {
+      sum.b += b * power;
+      sum.c += c * power;
+      sum.b_change += 2 * k * b * previous;
+      sum.c_change += 2 * k * c * previous;
+      previous = power;
+      power *= square;
+      b /= -(2 * k + 3) * (2 * k + 4);
+      c /= -(2 * k + 4) * (2 * k + 5);
+    }
+    return sum;
+  }
+  const double sine = std::sin(angle), cosine = std::cos(angle), fourth = square * square;
+  sum.b = (1. - cosine) / square;
+  sum.c = (angle - sine) / (square * angle);
+  sum.b_change = (angle * sine - 2. * (1. - cosine)) / fourth;
+  sum.c_change = (3. * sine - 2. * angle - angle * cosine) / (fourth * angle);
+  return sum;
+}
+} // namespace
+
+Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, const unsigned int dim)
+{
+  return dim == 3 ? Eigen::Vector3d(vector[0], vector[1], vector[2]) : Eigen::Vector3d(vector[0], 0., vector[1]);
+}
+
 Eigen::Matrix3d skew(const Eigen::Vector3d& a)
 {
   Eigen::Matrix3d matrix;
@@ -30,14 +73,17 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation)
 
 Eigen::Matrix3d rotation_tangent(const Eigen::Vector3d& theta)
 {
-  const double angle = theta.norm(), square = angle * angle;
-  // Below the switch the closed forms lose digits to cancellation and the next term of the series is below round-off.
-  const bool small = angle < 1e-2;
-  const double b = small ? 0.5 - square / 24. + square * square / 720. : (1. - std::cos(angle)) / square;
-  const double c =
-      small ? 1. / 6. - square / 120. + square * square / 5040. : (angle - std::sin(angle)) / (square * angle);
+  const TangentCoefficients t = tangent_coefficients(theta.norm());
   const Eigen::Matrix3d turn = skew(theta);
-  return Eigen::Matrix3d::Identity() + b * turn + c * turn * turn;
+  return Eigen::Matrix3d::Identity() + t.b * turn + t.c * turn * turn;
+}
+
+Eigen::Matrix3d generalised_moment_tangent(const Eigen::Vector3d& theta, const Eigen::Vector3d& m)
+{
+  const TangentCoefficients t = tangent_coefficients(theta.norm());
+  const Eigen::Vector3d once = theta.cross(m), twice = theta.cross(once);
+  return t.b * skew(m) - t.c * (skew(once) + skew(theta) * skew(m)) +
+         (t.c_change * twice - t.b_change * once) * theta.transpose();
 }
 
 Pose Pose::moved(const Vector6& increment) const
@@ -58,15 +104,13 @@ Eigen::Matrix<double, 3, 6> motion_tangent(const Pose& start, const Vector6& inc
 RigidPoint::RigidPoint(const PointParameters& parameters, const std::array<double, 3>& offset, unsigned int dim)
     : mass(parameters.mass)
 {
-  const auto& p = parameters.position;
+  pose.position = to_world_axes(parameters.position, dim) + to_world_axes(offset, dim);
   if (dim == 3)
   {
-    pose.position = {p[0] + offset[0], p[1] + offset[1], p[2] + offset[2]};
     inertia = {parameters.inertia[0], parameters.inertia[1], parameters.inertia[2]};
     conditions = parameters.conditions;
     return;
   }
-  pose.position = {p[0] + offset[0], 0., p[1] + offset[1]};
   inertia = Eigen::Vector3d::Constant(parameters.inertia[0]);
   conditions.fill({DofCondition::Kind::fixed, 0.});
   conditions[0] = parameters.conditions[0];

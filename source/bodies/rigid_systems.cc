@@ -8,12 +8,6 @@ namespace kedge
 {
 namespace
 {
-/// Plane strain happens in the plane y = 0, and its positions are given as [x, z].
-Eigen::Vector3d to_vector(const std::array<double, 3>& x, const unsigned int dim)
-{
-  return dim == 3 ? Eigen::Vector3d(x[0], x[1], x[2]) : Eigen::Vector3d(x[0], 0., x[1]);
-}
-
 TriangleMesh in_body_frame(TriangleMesh mesh, const Eigen::Vector3d& origin)
 {
   for (Eigen::Vector3d& vertex : mesh.vertices)
@@ -40,11 +34,14 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
       TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
       // drawn in global coordinates before the offset, like the points
       systems.surfaces.push_back(
-          {Surface(in_body_frame(std::move(mesh), to_vector(point.position, dim))), first + surface.point - 1});
+          {Surface(in_body_frame(std::move(mesh), to_world_axes(point.position, dim))), first + surface.point - 1});
     }
+    for (const ConstraintParameters& constraint : system.constraints)
+      systems.joints.push_back(make_joint(constraint, system.points, first, dim));
     for (const TrackedNodeParameters& node : system.tracked_nodes)
-      systems.tracked.push_back({to_vector(node.position, dim) - to_vector(system.points[node.point - 1].position, dim),
-                                 first + node.point - 1});
+      systems.tracked.push_back(
+          {to_world_axes(node.position, dim) - to_world_axes(system.points[node.point - 1].position, dim),
+           first + node.point - 1});
   }
   return systems;
 }

@@ -11,6 +11,9 @@ namespace kedge
 /// Three translations (m) and the rotation vector (rad), both along world axes.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
+/// A vector of the input in world axes: plane strain happens in the plane y = 0, its vectors are [x, z].
+Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, unsigned int dim);
+
 /// Matrix of the cross product: skew(a) b = a x b.
 Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 
@@ -23,6 +26,10 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation);
 /// T(theta) in d exp(theta) = skew(T d theta) exp(theta): turns a change of the rotation vector into a spin
 /// (Simo & Vu-Quoc 1988, doi 10.1016/0045-7825(88)90073-4).
 Eigen::Matrix3d rotation_tangent(const Eigen::Vector3d& theta);
+
+/// d (T(theta)^T m) / d theta at constant m: how the generalised moment of a constant moment m (N m, world axes)
+/// changes with the rotation vector. Derivative of T = I + b skew(theta) + c skew(theta)^2 term by term.
+Eigen::Matrix3d generalised_moment_tangent(const Eigen::Vector3d& theta, const Eigen::Vector3d& m);
 
 /// Where a rigid point is: a body-frame point X lies at x = position + R X.
 struct Pose

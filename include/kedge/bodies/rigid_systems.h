@@ -1,7 +1,9 @@
-// All rigid bodies of a scene: their points, and the surfaces and tracked nodes welded to them.
+// All rigid bodies of a scene: their points, the joints between these, and the surfaces and tracked nodes welded to
+// them.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <kedge/bodies/joints.h>
 #include <kedge/bodies/rigid_body.h>
 #include <kedge/bodies/surface.h>
 #include <vector>
@@ -25,6 +27,7 @@ struct RigidSystems
 {
   std::vector<RigidPoint> points;
   std::vector<unsigned int> first_point; ///< of each system
+  std::vector<Joint> joints;
   std::vector<WeldedSurface> surfaces;
   std::vector<TrackedNode> tracked;
 

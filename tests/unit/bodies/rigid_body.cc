@@ -1,5 +1,4 @@
-#include <gtest/gtest.h>
-#include <kedge/bodies/rigid_body.h>
+#include "rigid_fixtures.h"
 #include <random>
 
 namespace kedge
@@ -8,12 +7,7 @@ namespace
 {
 using Eigen::Vector3d;
 
-Vector6 increment(const Vector3d& translation, const Vector3d& rotation)
-{
-  Vector6 both;
-  both << translation, rotation;
-  return both;
-}
+using test::increment;
 
 TEST(Pose, PointsGoToTheBodyAndBack)
 {
@@ -82,7 +76,7 @@ TEST(Rotation, MotionTangentIsTheDerivative)
   start.rotation = rotation_from_vector({0.3, -0.7, 1.1});
   const Vector3d X(0.5, -0.4, 2.);
   constexpr double h = 1e-6;
-  for (const double angle : {0., 1e-6, 9.9e-3, 1.01e-2, 0.6, 2.5})
+  for (const double angle : {0., 1e-6, 1e-2, 0.499, 0.501, 2.5})
   {
     const Vector6 y = increment({0.1, 0.2, 0.3}, angle * Vector3d(0.6, 0., -0.8));
     Eigen::Matrix<double, 3, 6> differences;
@@ -94,12 +88,29 @@ TEST(Rotation, MotionTangentIsTheDerivative)
   }
 }
 
-TEST(Rotation, TangentIsContinuousWhereTheSeriesTakesOver)
+TEST(Rotation, TangentsAreContinuousWhereTheSeriesTakesOver)
 {
-  const Vector3d axis = Vector3d(1., 2., 3.).normalized();
-  const Eigen::Matrix3d below = rotation_tangent((1e-2 - 1e-15) * axis),
-                        above = rotation_tangent((1e-2 + 1e-15) * axis);
-  EXPECT_NEAR((below - above).norm(), 0., 1e-13);
+  const Vector3d axis = Vector3d(1., 2., 3.).normalized(), moment(0.5, -2., 1.);
+  const Vector3d below = (0.5 - 1e-15) * axis, above = (0.5 + 1e-15) * axis;
+  EXPECT_NEAR((rotation_tangent(below) - rotation_tangent(above)).norm(), 0., 1e-13);
+  EXPECT_NEAR((generalised_moment_tangent(below, moment) - generalised_moment_tangent(above, moment)).norm(), 0.,
+              1e-12);
+}
+
+TEST(Rotation, GeneralisedMomentTangentIsTheDerivative)
+{
+  const Vector3d moment(0.5, -2., 1.);
+  constexpr double h = 1e-5;
+  for (const double angle : {0., 1e-6, 0.1, 0.499, 0.501, 2.5})
+  {
+    const Vector3d theta = angle * Vector3d(0.6, 0., -0.8);
+    Eigen::Matrix3d differences;
+    for (int i = 0; i < 3; ++i)
+      differences.col(i) = (rotation_tangent(theta + h * Vector3d::Unit(i)).transpose() -
+                            rotation_tangent(theta - h * Vector3d::Unit(i)).transpose()) *
+                           moment / (2. * h);
+    EXPECT_LT((generalised_moment_tangent(theta, moment) - differences).norm(), 1e-8 * differences.norm()) << angle;
+  }
 }
 
 TEST(RigidPoint, PrescribedMotionIsCutWithTheStep)

@@ -1,0 +1,124 @@
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <kedge/bodies/rigid_newton.h>
+
+namespace kedge
+{
+namespace
+{
+/// Pivots below this share of the largest count as zero: a penalty of 1e10 beside a weight of 10 leaves 1e-9.
+constexpr double singular_pivot = 1e-13;
+
+/// Most that a body turns in one iteration, rad: the tangent knows only little of where larger rotations lead.
+constexpr double largest_turn = 0.5;
+
+/// The tangent with the unit of its rows and columns scaled away, S A S, and its factors.
+struct ScaledTangent
+{
+  Eigen::VectorXd scaling;
+  Eigen::MatrixXd matrix;
+  Eigen::FullPivLU<Eigen::MatrixXd> factors;
+
+  explicit ScaledTangent(const Eigen::MatrixXd& tangent) : scaling(tangent.cwiseAbs().rowwise().maxCoeff())
+  {
+    for (double& entry : scaling)
+      entry = entry > 0. ? 1. / std::sqrt(entry) : 1.;
+    matrix = scaling.asDiagonal() * tangent * scaling.asDiagonal();
+    factors.setThreshold(singular_pivot);
+    factors.compute(matrix);
+  }
+};
+
+/// What each residual may be where Newton has converged. A term of round_off passes through a few operations.
+Eigen::VectorXd allowed_residual(const RigidBalance& balance, const double tolerance)
+{
+  return tolerance * balance.magnitude + 8. * balance.round_off;
+}
+
+bool is_within(const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed)
+{
+  return (residual.array().abs() <= allowed.array()).all();
+}
+
+/// tangent^-1 residual and the part of the residual that no change of the increments resists.
+struct Correction
+{
+  Eigen::VectorXd change, unresisted;
+};
+
+Correction correction(const RigidBalance& balance)
+{
+  const ScaledTangent scaled(balance.tangent);
+  const Eigen::VectorXd residual = scaled.scaling.cwiseProduct(balance.residual);
+  // Elimination keeps bodies that do not touch apart to the last digit; the orthogonal factors do not.
+  if (scaled.factors.isInvertible())
+    return {scaled.scaling.cwiseProduct(scaled.factors.solve(residual)), Eigen::VectorXd::Zero(residual.size())};
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(singular_pivot);
+  factors.compute(scaled.matrix);
+  const Eigen::VectorXd shortest = factors.solve(residual);
+  return {scaled.scaling.cwiseProduct(shortest), (residual - scaled.matrix * shortest).cwiseQuotient(scaled.scaling)};
+}
+
+/// Numbered as in the input.
+std::string name_of(const RigidSystems& systems, const FreeDof& free)
+{
+  const auto& first = systems.first_point;
+  const auto next = std::upper_bound(first.begin(), first.end(), free.point);
+  const char* const names[] = {"along x", "along y", "along z", "about x", "about y", "about z"};
+  return fmt::format("point {} of system {}, {}", free.point - *(next - 1) + 1, next - first.begin(), names[free.dof]);
+}
+} // namespace
+
+std::string unsupported_dof(const RigidSystems& systems, const RigidBalance& balance)
+{
+  if (balance.tangent.size() == 0)
+    return "";
+  const ScaledTangent scaled(balance.tangent);
+  if (scaled.factors.isInvertible())
+    return "";
+  Eigen::Index largest;
+  scaled.scaling.cwiseProduct(scaled.factors.kernel().col(0)).cwiseAbs().maxCoeff(&largest);
+  return name_of(systems, free_dofs(systems)[largest]);
+}
+
+RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const PointLoads& loads,
+                                 const double tolerance, const unsigned int max_iterations)
+{
+  const std::vector<FreeDof> dofs = free_dofs(systems);
+  RigidSolution solution;
+  solution.increments = start_increments(systems, step);
+  for (;; ++solution.iterations)
+  {
+    solution.balance = rigid_balance(systems, step, solution.increments, loads);
+    const Eigen::VectorXd allowed = allowed_residual(solution.balance, tolerance);
+    solution.converged = is_within(solution.balance.residual, allowed);
+    if (solution.converged)
+      return solution;
+    if (solution.iterations == max_iterations)
+    {
+      solution.failure = fmt::format("the rigid bodies are not balanced after {} iterations", max_iterations);
+      return solution;
+    }
+    auto [change, unresisted] = correction(solution.balance);
+    // A relaxed joint does not yet hold a hanging body upright. The first correction, the shortest one, lets the joints
+    // take up what they can carry; their tension then gives the stiffness that was missing, or there is none.
+    if (solution.iterations > 0 && !is_within(unresisted, allowed))
+    {
+      Eigen::Index largest;
+      unresisted.cwiseAbs().maxCoeff(&largest);
+      solution.failure = "a load acts on a rigid dof without stiffness or inertia: " + name_of(systems, dofs[largest]);
+      return solution;
+    }
+    double turn = 0.;
+    for (std::size_t i = 0; i < dofs.size(); ++i)
+      turn = std::max(turn, dofs[i].dof < 3 ? 0. : std::abs(change[i]));
+    change *= std::min(1., largest_turn / turn);
+    for (std::size_t i = 0; i < dofs.size(); ++i)
+      solution.increments[dofs[i].point][dofs[i].dof] -= change[i];
+  }
+}
+} // namespace kedge
