@@ -282,17 +282,8 @@ template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& c
 template <int dim> void Simulation<dim>::commit_trial()
 {
   const ParticleIncrements increments = problem->particle_increments();
-  const BodyLoads loads = problem->body_loads();
-  reactions.clear();
-  for (std::size_t i = 0; i < bodies.points.size(); ++i)
-  {
-    RigidPoint& point = bodies.points[i];
-    point.pose = point.pose.moved(load.body_increments[i]);
-    Vector6 reaction = stage->rigid_bodies ? Vector6(-loads[i]) : Vector6(Vector6::Zero());
-    for (unsigned int d = 0; d < 3; ++d)
-      reaction[d] -= load.gravity_factor * point.mass * input.gravity[d];
-    reactions.push_back(reaction);
-  }
+  reactions = problem->reactions();
+  commit_increments(bodies, stage->rigid_bodies ? problem->rigid_step() : RigidStep(), problem->rigid_increments());
 
   const auto scope = log.timings().measure("commit");
   if (stage->rigid_bodies)

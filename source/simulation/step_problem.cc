@@ -35,7 +35,9 @@ StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const Ba
   linear_solver.set_structure(
       system->matrix(), make_rigid_body_modes(system->graph().row_map, dim, places.position, constrained), places);
 
-  increment = Teuchos::rcp(new TpetraVector(system->graph().row_map));
+  rigid_unknowns = std::make_unique<RigidUnknowns>(bodies, stage.rigid_bodies, system->graph().row_map);
+  weigh_bodies();
+  increment = Teuchos::rcp(new TpetraVector(rigid_unknowns->map()));
   full_weight = system->make_nodal_vector();
   add_weight<dim>(particles.arrays(), stencils, input.gravity, 1., full_weight);
   TpetraVector weight(system->graph().row_map);
@@ -112,17 +114,55 @@ template <int dim> void StepProblem<dim>::find_contact_pairs()
   const auto scope = timings.measure("contact search");
   double reach = 0.;
   const auto box = world_bounds(bodies);
-  for (const RigidPoint& point : bodies.points)
+  const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
+  const RigidStep whole = rigid_step();
+  const std::vector<Vector6> expected = predict_increments(bodies, whole);
+  for (std::size_t i = 0; i < expected.size(); ++i)
   {
-    const Vector6 step = point.prescribed_increment(1.);
-    const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
-    reach = std::max(reach, step.head<3>().norm() + step.tail<3>().norm() * lever);
+    double way = expected[i].head<3>().norm() + expected[i].tail<3>().norm() * lever;
+    if (bodies.points[i].n_free_dofs() > 0) // it may speed up
+      way = 2. * way + whole.gravity.norm() * whole.dt * whole.dt;
+    reach = std::max(reach, way);
   }
   const std::vector<double> volume = download(particles.arrays().initial_volume);
   const std::vector<double> young = download(particles.arrays().young);
   contact.find_pairs(bodies, mesh.leaves(),
                      {particles.positions(), particles.half_widths(), particles.ids(), volume, young}, nodes.number,
                      reach);
+}
+
+template <int dim> void StepProblem<dim>::weigh_bodies()
+{
+  const double g = Eigen::Map<const Eigen::Vector3d>(input.gravity.data()).norm();
+  for (const RigidPoint& point : bodies.points)
+    body_weight += point.mass * g;
+  if (!bodies.surfaces.empty())
+    body_lever = 0.5 * (world_bounds(bodies)[1] - world_bounds(bodies)[0]).norm();
+}
+
+template <int dim> RigidStep StepProblem<dim>::rigid_step() const
+{
+  RigidStep step;
+  for (unsigned int d = 0; d < dim; ++d)
+    step.gravity[dim == 2 && d == 1 ? 2 : d] = load.gravity_factor * input.gravity[d];
+  step.fraction = load.step_fraction;
+  step.beta = stage.stepping.beta;
+  step.gamma = stage.stepping.gamma;
+  if (stage.stepping.type == StageType::dynamic)
+    step.dt = load.step_fraction * stage.stepping.dt;
+  return step;
+}
+
+template <int dim> std::vector<Vector6> StepProblem<dim>::reactions() const
+{
+  if (!stage.rigid_bodies)
+  {
+    std::vector<Vector6> result(bodies.points.size(), Vector6::Zero());
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i].template head<3>() = -bodies.points[i].mass * rigid_step().gravity;
+    return result;
+  }
+  return rigid_reactions(bodies, rigid_balance(bodies, rigid_step(), body_increments, body_loads()), body_increments);
 }
 
 template <int dim> NewtonReport StepProblem<dim>::solve(const Load& load_, const Prediction& prediction)
@@ -149,13 +189,15 @@ template <int dim> void StepProblem<dim>::find_first_acceleration()
   increment->putScalar(0.);
   residual(*increment, force);
   force.scale(-1.);
-  motion.acceleration = divide_by_mass(motion.mass, force, *system);
+  motion.acceleration = divide_by_mass(motion.mass, *rigid_unknowns->nodal(force), *system);
   load = first;
 }
 
 template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
 {
   increment->putScalar(0.);
+  const Eigen::VectorXd y = rigid_unknowns->pick(predict_increments(bodies, rigid_step()));
+  rigid_unknowns->set_rigid(*increment, y);
   if (prediction.empty())
     return;
   TpetraVector guess(increment->getMap()), r(increment->getMap());
@@ -165,7 +207,8 @@ template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton
       for (unsigned int d = 0; d < dim; ++d)
         view(dim * v + d, 0) = load.step_fraction * prediction[dim * nodes.mesh_node[v] + d];
   }
-  system->zero_constrained(guess);
+  system->zero_constrained(*rigid_unknowns->nodal(guess));
+  rigid_unknowns->set_rigid(guess, y);
   const double at_rest = newton.residual(*increment, r);
   if (newton.residual(guess, r) < at_rest)
     Tpetra::deep_copy(*increment, guess);
@@ -184,7 +227,8 @@ template <int dim> Prediction StepProblem<dim>::predict_next() const
 template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
 {
   const auto scope = timings.measure("residual");
-  local_increment = system->spread(x);
+  local_increment = system->spread(*rigid_unknowns->nodal(x));
+  body_increments = rigid_unknowns->fill(load.body_increments, rigid_unknowns->rigid(x));
   const NodalVector force = system->make_nodal_vector();
   const unsigned long inverted =
       update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force);
@@ -196,16 +240,22 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
   if (stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-    add_point_forces(dim, contact.evaluate(bodies, load.body_increments, host.data()), -1., force);
+    add_point_forces(dim, contact.evaluate(bodies, body_increments, host.data()), -1., force);
   }
   add_ghost_force<dim>(ghost_faces, ghost_faces.stiffness, local_increment, force);
   if (load.newmark.is_dynamic())
     add_inertia_force(system->graph(), motion, load.newmark, local_increment, force);
-  system->collect(force, r);
-  system->zero_constrained(r);
+  const auto nodal_residual = rigid_unknowns->nodal(r);
+  system->collect(force, *nodal_residual);
+  system->zero_constrained(*nodal_residual);
   if (sum_over_ranks(static_cast<long long>(inverted), nodes.communicator) > 0)
     return INFINITY;
-  return r.norm2() / weight_norm;
+  const double soil = nodal_residual->norm2() / weight_norm;
+  if (rigid_unknowns->empty())
+    return soil;
+  balance = rigid_balance(bodies, rigid_step(), body_increments, body_loads());
+  rigid_unknowns->set_rigid(r, balance.residual);
+  return std::max(soil, rigid_measure(bodies, balance.residual, body_weight, body_lever));
 }
 
 template <int dim>
@@ -225,7 +275,15 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
     system->finish_matrix();
   }
   const auto scope = timings.measure("linear solver");
-  return linear_solver.solve(r, dx, tolerance);
+  Border border;
+  if (!rigid_unknowns->empty())
+    border = rigid_unknowns->border(balance, contact.coupling(bodies, body_increments),
+                                    contact.points_of_last_evaluation(), body_increments, *system);
+  Eigen::VectorXd dy;
+  const LinearReport report = linear_solver.solve(*rigid_unknowns->nodal(r), rigid_unknowns->rigid(r), border,
+                                                  *rigid_unknowns->nodal(dx), dy, tolerance);
+  rigid_unknowns->set_rigid(dx, dy);
+  return report;
 }
 
 template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const

@@ -1,0 +1,49 @@
+// The increments of free rigid points among the unknowns of a step.
+#pragma once
+
+#include <kedge/assembly/system.h>
+#include <kedge/bodies/rigid_balance.h>
+#include <kedge/contact/contact.h>
+#include <kedge/solvers/border.h>
+
+namespace kedge
+{
+/// Unknowns x of a step: the nodal increments u and, behind them on the first rank, the increments y of the free rigid
+/// dofs. So Newton's method sees one vector, and every sum over it counts y once.
+class RigidUnknowns
+{
+public:
+  /// `active`: whether free dofs are unknowns in this stage at all.
+  RigidUnknowns(const RigidSystems& bodies, bool active, const Teuchos::RCP<const TpetraMap>& nodal_map);
+
+  bool empty() const { return dofs.empty(); }
+  const Teuchos::RCP<const TpetraMap>& map() const { return all_map; }
+
+  /// The nodal part of x, which shares its memory.
+  Teuchos::RCP<const TpetraVector> nodal(const TpetraVector& x) const { return x.offsetView(nodal_map, 0); }
+  Teuchos::RCP<TpetraVector> nodal(TpetraVector& x) const { return x.offsetViewNonConst(nodal_map, 0); }
+
+  /// The rigid part of x, on all ranks. Collective.
+  Eigen::VectorXd rigid(const TpetraVector& x) const;
+  void set_rigid(TpetraVector& x, const Eigen::VectorXd& y) const;
+
+  /// The free dofs of the increments of all points, and the increments with other values there.
+  Eigen::VectorXd pick(const std::vector<Vector6>& increments) const;
+  std::vector<Vector6> fill(std::vector<Vector6> increments, const Eigen::VectorXd& y) const;
+
+  /// How y couples with u and with itself at the present increments: derivatives of the residuals (internal forces less
+  /// contact forces; the bodies' balance). Collective.
+  Border border(const RigidBalance& balance, const ContactCoupling& coupling, const PointForces& points,
+                const std::vector<Vector6>& increments, const System& system) const;
+
+private:
+  Teuchos::RCP<TpetraMultiVector> collect(const std::vector<NodalVector>& local, const System& system) const;
+
+  std::vector<FreeDof> dofs;
+  Teuchos::RCP<const TpetraMap> nodal_map, all_map;
+};
+
+/// Norm of the residuals of the free dofs over the weight (N) of the bodies; moments count over their weight times
+/// `lever` (m).
+double rigid_measure(const RigidSystems& bodies, const Eigen::VectorXd& residual, double weight, double lever);
+} // namespace kedge
