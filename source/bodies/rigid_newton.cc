@@ -12,9 +12,6 @@ namespace
 /// Pivots below this share of the largest count as zero: a penalty of 1e10 beside a weight of 10 leaves 1e-9.
 constexpr double singular_pivot = 1e-13;
 
-/// Most that a body turns in one iteration, rad: the tangent knows only little of where larger rotations lead.
-constexpr double largest_turn = 0.5;
-
 /// The tangent with the unit of its rows and columns scaled away, S A S, and its factors.
 struct ScaledTangent
 {
@@ -103,7 +100,7 @@ RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& s
       solution.failure = fmt::format("the rigid bodies are not balanced after {} iterations", max_iterations);
       return solution;
     }
-    auto [change, unresisted] = correction(solution.balance);
+    const auto [change, unresisted] = correction(solution.balance);
     // A relaxed joint does not yet hold a hanging body upright. The first correction, the shortest one, lets the joints
     // take up what they can carry; their tension then gives the stiffness that was missing, or there is none.
     if (solution.iterations > 0 && !is_within(unresisted, allowed))
@@ -113,10 +110,6 @@ RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& s
       solution.failure = "a load acts on a rigid dof without stiffness or inertia: " + name_of(systems, dofs[largest]);
       return solution;
     }
-    double turn = 0.;
-    for (std::size_t i = 0; i < dofs.size(); ++i)
-      turn = std::max(turn, dofs[i].dof < 3 ? 0. : std::abs(change[i]));
-    change *= std::min(1., largest_turn / turn);
     for (std::size_t i = 0; i < dofs.size(); ++i)
       solution.increments[dofs[i].point][dofs[i].dof] -= change[i];
   }

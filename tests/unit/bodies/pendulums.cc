@@ -108,6 +108,24 @@ TEST(Pendulum, HangsStillAtEquilibrium)
   }
 }
 
+TEST(Pendulum, HangsFromAMovingPoint)
+{
+  RigidSystems systems = shank.hung(stiff_hinge, 0.);
+  systems.points[0].conditions[0] = {DofCondition::Kind::prescribed, 0.1};
+  systems.points[0].conditions[4] = {DofCondition::Kind::prescribed, 0.3}; // the hinge does not pass this on
+  const RigidStep step = dynamic_step(0., 0.25, 0.5);
+  Vector6 reaction;
+  for (int i = 0; i < 10; ++i)
+  {
+    const RigidSolution solution = advance(systems, step);
+    reaction = rigid_reactions(systems, solution.balance, solution.increments)[0];
+  }
+  EXPECT_NEAR(systems.points[1].pose.position[0], 1., 1e-7);
+  EXPECT_NEAR(turned_about_y(systems.points[1]), 0., 1e-7);
+  const double weight = shank.mass * gravity;
+  EXPECT_NEAR((reaction - increment({0., 0., weight}, Vector3d::Zero())).norm(), 0., 1e-6 * weight);
+}
+
 TEST(Pendulum, HangsFromARodThatHoldsItByTensionAlone)
 {
   // A relaxed rod stiffens its own line only, and a taut one does not mind bodies that spin about it.
@@ -258,6 +276,7 @@ TEST(Anchor, FlukeFallsIntoItsStop)
     EXPECT_LT(widest, limit + stretch / (0.131 * std::cos(limit / 2.)));
   }
 }
+
 TEST(Anchor, FollowsThePullOfItsLine)
 {
   using Kind = DofCondition::Kind;
@@ -292,24 +311,6 @@ TEST(Anchor, FollowsThePullOfItsLine)
   EXPECT_NEAR(systems.points[0].pose.position[0] - start, 250 * 0.008, 0.05);
   const double gained = total_momentum(systems)[0] - momentum_before;
   EXPECT_NEAR(impulse, gained, 1e-8 * weight * 250 * step.dt); // the solver's tolerance
-}
-
-TEST(Pendulum, HangsFromAMovingPoint)
-{
-  RigidSystems systems = shank.hung(stiff_hinge, 0.);
-  systems.points[0].conditions[0] = {DofCondition::Kind::prescribed, 0.1};
-  systems.points[0].conditions[4] = {DofCondition::Kind::prescribed, 0.3}; // the hinge does not pass this on
-  const RigidStep step = dynamic_step(0., 0.25, 0.5);
-  Vector6 reaction;
-  for (int i = 0; i < 10; ++i)
-  {
-    const RigidSolution solution = advance(systems, step);
-    reaction = rigid_reactions(systems, solution.balance, solution.increments)[0];
-  }
-  EXPECT_NEAR(systems.points[1].pose.position[0], 1., 1e-7);
-  EXPECT_NEAR(turned_about_y(systems.points[1]), 0., 1e-7);
-  const double weight = shank.mass * gravity;
-  EXPECT_NEAR((reaction - increment({0., 0., weight}, Vector3d::Zero())).norm(), 0., 1e-6 * weight);
 }
 } // namespace
 } // namespace kedge

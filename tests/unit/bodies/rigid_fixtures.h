@@ -1,6 +1,8 @@
 // Points and joints to build small mechanisms from.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
 #include <kedge/bodies/rigid_newton.h>
