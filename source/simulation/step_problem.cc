@@ -116,7 +116,7 @@ template <int dim> void StepProblem<dim>::find_contact_pairs()
   const auto box = world_bounds(bodies);
   const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
   const RigidStep whole = rigid_step();
-  const std::vector<Vector6> expected = predict_increments(bodies, whole);
+  const std::vector<Vector6> expected = start_increments(bodies, whole);
   for (std::size_t i = 0; i < expected.size(); ++i)
   {
     double way = expected[i].head<3>().norm() + expected[i].tail<3>().norm() * lever;
@@ -196,7 +196,7 @@ template <int dim> void StepProblem<dim>::find_first_acceleration()
 template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
 {
   increment->putScalar(0.);
-  const Eigen::VectorXd y = rigid_unknowns->pick(predict_increments(bodies, rigid_step()));
+  const Eigen::VectorXd y = rigid_unknowns->pick(start_increments(bodies, rigid_step()));
   rigid_unknowns->set_rigid(*increment, y);
   if (prediction.empty())
     return;
