@@ -1,4 +1,4 @@
-// The only file that includes CGAL: its headers are slow to compile.
+// The only file of this room that includes CGAL: its headers are slow to compile.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>

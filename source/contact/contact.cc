@@ -241,30 +241,49 @@ template <int dim> void Contact<dim>::follow_particles(const std::vector<long lo
 {
   if (size_of(communicator) == 1)
     return;
-  struct Parcel
-  {
-    Key key;
-    double tangential[3], reference_gap;
-  };
   const std::unordered_set<long long> here(ids.begin(), ids.end());
-  std::vector<Parcel> leaving;
+  std::vector<ContactRecord> leaving;
   for (auto entry = history.begin(); entry != history.end();)
     if (here.count(entry->first.particle))
       ++entry;
     else
     {
-      const History& state = entry->second;
-      leaving.push_back(
-          {entry->first, {state.tangential[0], state.tangential[1], state.tangential[2]}, state.reference_gap});
+      leaving.push_back(to_record(entry->first, entry->second));
       entry = history.erase(entry);
     }
-  for (const Parcel& parcel : gather_everywhere(leaving, communicator))
-    if (here.count(parcel.key.particle))
-    {
-      History& state = history[parcel.key];
-      state.tangential = Eigen::Map<const Eigen::Vector3d>(parcel.tangential);
-      state.reference_gap = parcel.reference_gap;
-    }
+  for (const ContactRecord& record : gather_everywhere(leaving, communicator))
+    if (here.count(record.particle))
+      enter(record);
+}
+
+template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)
+{
+  const Eigen::Vector3d& t = state.tangential;
+  return {key.particle, key.corner, key.surface, {t[0], t[1], t[2]}, state.reference_gap};
+}
+
+template <int dim> void Contact<dim>::enter(const ContactRecord& record)
+{
+  History& state = history[{record.particle, record.corner, record.surface}];
+  state.tangential = Eigen::Map<const Eigen::Vector3d>(record.tangential);
+  state.reference_gap = record.reference_gap;
+}
+
+template <int dim> std::vector<ContactRecord> Contact<dim>::export_history() const
+{
+  std::vector<ContactRecord> records;
+  for (const auto& [key, state] : history)
+    records.push_back(to_record(key, state));
+  return records;
+}
+
+template <int dim>
+void Contact<dim>::import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids)
+{
+  history.clear();
+  for (const ContactRecord& record : records)
+    enter(record);
+  follow_particles(ids);
 }
 
 template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps() const

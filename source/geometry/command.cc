@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <kedge/base/report.h>
+#include <kedge/geometry/ac14.h>
 #include <kedge/geometry/generators.h>
 
 namespace kedge
@@ -27,6 +28,10 @@ struct Dimensions
   Eigen::Vector3d size = Eigen::Vector3d::Constant(0.1);
   unsigned int sides = 48, sphere_segments = 12;
   Rounding rounding{0., 4};
+  std::string part = "fluke";
+  Ac14Fluke fluke;
+  Ac14Shank shank;
+  PartMesh part_mesh;
 };
 
 std::string describe(const TriangleMesh& mesh, const Target& target)
@@ -158,6 +163,24 @@ void add_box(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
   add_vector(box, "--size", d->size, "size along x y z [m]");
   add_rounding(box, *d);
 }
+
+void add_ac14(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
+{
+  const auto make = [](const Dimensions& d)
+  { return d.part == "fluke" ? make_ac14_fluke(d.fluke, d.part_mesh) : make_ac14_shank(d.shank, d.part_mesh); };
+  const std::string description = "A part of the AC-14 drag anchor of 8700 kg along x, pivot at x = 0.489, y = z = 0";
+  CLI::App& ac14 = *add_body(geometry, "ac14", description, d, make);
+  ac14.add_option("--part", d->part, "fluke (crown and both flukes) or shank")
+      ->check(CLI::IsMember({"fluke", "shank"}))
+      ->capture_default_str();
+  add_length(ac14, "--crown-width", d->fluke.crown_width, "width of the crown; thickness follows from the mass [m]");
+  add_length(ac14, "--slot-width", d->fluke.slot_width, "width of the slot between the flukes [m]");
+  add_length(ac14, "--eye-radius", d->shank.eye_radius, "radius of the hole in the shank's eye; 0: none [m]");
+  add_length(ac14, "--size", d->part_mesh.size, "edges of the triangles on flat sides [m]");
+  ac14.add_option("--edge-segments", d->part_mesh.segments, "facets over a quarter turn of roundings")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
 } // namespace
 
 void add_geometry_command(CLI::App& app)
@@ -170,5 +193,6 @@ void add_geometry_command(CLI::App& app)
   add_cone(geometry, dimensions);
   add_sphere(geometry, dimensions);
   add_box(geometry, dimensions);
+  add_ac14(geometry, dimensions);
 }
 } // namespace kedge

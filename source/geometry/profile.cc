@@ -43,6 +43,16 @@ Profile arc(const Eigen::Vector2d& centre, const Eigen::Vector2d& start, const E
   return points;
 }
 
+CornerArc::CornerArc(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, const Eigen::Vector2d& after,
+                     double radius)
+{
+  const Eigen::Vector2d v = (after - corner).normalized();
+  along = (corner - before).normalized();
+  angle = turning({before, corner, after}, 1);
+  inwards = (v - along.dot(v) * along).normalized();
+  centre = corner - radius * std::tan(angle / 2.) * along + radius * inwards;
+}
+
 Profile fillet(const Profile& profile, const Rounding& rounding)
 {
   if (rounding.radius == 0.)
@@ -51,14 +61,12 @@ Profile fillet(const Profile& profile, const Rounding& rounding)
   Profile rounded{profile.front()};
   for (std::size_t i = 1; i + 1 < profile.size(); ++i)
   {
-    const Eigen::Vector2d u = (profile[i] - profile[i - 1]).normalized(),
-                          v = (profile[i + 1] - profile[i]).normalized();
-    const Eigen::Vector2d inwards = (v - u.dot(v) * u).normalized();
-    const double angle = turning(profile, i);
-    const Eigen::Vector2d centre = profile[i] - r * std::tan(angle / 2.) * u + r * inwards;
+    const CornerArc corner(profile[i - 1], profile[i], profile[i + 1], r);
+    const Eigen::Vector2d &u = corner.along, &inwards = corner.inwards;
+    const double angle = corner.angle;
     const auto append_arc = [&](const Eigen::Vector2d& start, const Eigen::Vector2d& end, double angle)
     {
-      const Profile points = arc(centre, r * start, r * end, angle, rounding.segments);
+      const Profile points = arc(corner.centre, r * start, r * end, angle, rounding.segments);
       rounded.insert(rounded.end(), points.begin(), points.end());
     };
     // Where the arc is widest one facet ends and the next begins, so that the diameter is exact.

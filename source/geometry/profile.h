@@ -14,6 +14,17 @@ using Profile = std::vector<Eigen::Vector2d>;
 Profile arc(const Eigen::Vector2d& centre, const Eigen::Vector2d& start, const Eigen::Vector2d& end, double angle,
             unsigned int segments);
 
+/// The arc that rounds the corner between two straight sides.
+struct CornerArc
+{
+  CornerArc(const Eigen::Vector2d& before, const Eigen::Vector2d& corner, const Eigen::Vector2d& after, double radius);
+
+  double angle;            ///< by which the sides turn, rad
+  Eigen::Vector2d along;   ///< unit direction of the first side
+  Eigen::Vector2d inwards; ///< unit vector from the first side to the centre
+  Eigen::Vector2d centre;  ///< m
+};
+
 /// The profile with every inner corner rounded by an arc tangent to both of its sides.
 Profile fillet(const Profile& profile, const Rounding& rounding);
 

@@ -20,6 +20,7 @@ using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, Tpe
 
 constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
+constexpr double almost_zero = 1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
 constexpr unsigned int worth_a_rebuild = 8;       // iterations that cost about as much as a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
@@ -185,7 +186,8 @@ struct LinearSolver::Implementation
            last_iterations < fresh_iterations + worth_a_rebuild;
   }
 
-  void build_hierarchy(const bool strong)
+  /// False where MueLu finds no hierarchy.
+  bool build_hierarchy(const bool strong)
   {
     if (near)
       near->update();
@@ -193,8 +195,16 @@ struct LinearSolver::Implementation
     Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, matrix->getComm()->getSize() > 1);
     list.sublist("user data").set("Nullspace", near_null_space);
     const Teuchos::RCP<Operator> as_operator = from;
-    hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
+    hierarchy = Teuchos::null;
+    try
+    {
+      hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
+    }
+    catch (const std::exception&) // MueLu's way of saying so
+    {
+    }
     strong_hierarchy = strong;
+    return !hierarchy.is_null();
   }
 
   /// Solves A x = b for several right sides.
@@ -307,7 +317,8 @@ struct LinearSolver::Implementation
     for (const bool strong : {false, true})
       if (!report.converged)
       {
-        build_hierarchy(strong);
+        if (!build_hierarchy(strong))
+          continue;
         report = solve_krylov(b, x, tolerance, limit);
         iterations += report.iterations;
         report.escalations = strong;
@@ -418,7 +429,7 @@ Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const T
     for (unsigned int d = 0; d < dim; ++d)
       x[d] = position[dim * v + d] - centre[d];
     const auto set = [&](const unsigned int d, const unsigned int mode, const double value)
-    { view(dim * v + d, mode) = constrained[dim * v + d] ? 0. : value; };
+    { view(dim * v + d, mode) = constrained[dim * v + d] ? almost_zero * value : value; };
     for (unsigned int mode = 0; mode < dim + n_rotations; ++mode)
       for (unsigned int d = 0; d < dim; ++d)
         set(d, mode, d == mode ? 1. : 0.);

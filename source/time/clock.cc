@@ -11,6 +11,13 @@ Clock::Clock(const double n_steps, const double minimum_fraction)
 {
 }
 
+void Clock::resume(const ClockState& state)
+{
+  position = state.position;
+  size = state.size;
+  n_cuts = state.cuts;
+}
+
 void Clock::advance()
 {
   position += size;

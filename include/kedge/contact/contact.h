@@ -39,6 +39,15 @@ struct ContactCoupling
   std::vector<Eigen::Matrix<double, 6, 6>> load_by_body; ///< per rigid point, over all ranks
 };
 
+/// Committed history of one corner of a particle against one surface, as plain data.
+struct ContactRecord
+{
+  std::int64_t particle;
+  std::uint32_t corner, surface;
+  double tangential[3]; ///< N, world axes
+  double reference_gap; ///< m, <= 0
+};
+
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
 /// by penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is
 /// kept per (particle, corner, surface) and follows particles from rank to rank.
@@ -82,6 +91,11 @@ public:
   /// Hands the history to the ranks that now hold the particles. Collective; call after particles were re-sorted.
   void follow_particles(const std::vector<long long>& ids);
 
+  /// The committed history that this rank keeps, by particle, corner and surface.
+  std::vector<ContactRecord> export_history() const;
+  /// Replaces it; the records may lie on any rank. Collective; call after particles were loaded.
+  void import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids);
+
   /// Smallest gap of a corner of each particle in the last evaluation (m); particles without pairs are missing.
   std::map<long long, double> smallest_gaps() const;
   /// Contact points of the last evaluation that press, over all ranks.
@@ -111,6 +125,9 @@ private:
     Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
     double reference_gap = 0.;                            ///< m, <= 0
   };
+  static ContactRecord to_record(const Key& key, const History& state);
+  void enter(const ContactRecord& record);
+
   struct Pair
   {
     Key key;

@@ -50,7 +50,7 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, con
                              TpetraVector& x, double relative_tolerance);
 
 /// Rigid body modes of nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
-/// with `constrained[dof] != 0` get zero. Sizes follow the row map of `map`.
+/// with `constrained[dof] != 0` get next to zero. Sizes follow the row map of `map`.
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, unsigned int dim,
                                                       const std::vector<double>& position,
                                                       const std::vector<unsigned char>& constrained);

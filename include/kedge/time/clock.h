@@ -5,6 +5,13 @@
 
 namespace kedge
 {
+/// What a clock has counted, in its ticks.
+struct ClockState
+{
+  std::int64_t position = 0, size = 0;
+  unsigned int cuts = 0;
+};
+
 /// Counts a stage's progress in ticks, exact fractions of a requested step, so that a stage ends where it should after
 /// any sequence of cuts. A failed step is halved; a successful one is followed by one of twice its size, up to the
 /// requested size and not across the end of a requested step.
@@ -23,6 +30,10 @@ public:
   double steps_after() const { return static_cast<double>(position + size) / ticks_per_step; }
   double requested_steps() const { return static_cast<double>(end) / ticks_per_step; }
   unsigned int cuts() const { return n_cuts; }
+
+  ClockState state() const { return {position, size, n_cuts}; }
+  /// Goes on where another clock of the same stage was.
+  void resume(const ClockState& state);
 
   void advance();
   /// Halves the step; false where it is already the smallest allowed.

@@ -172,6 +172,26 @@ TYPED_TEST(PressedBox, FrictionFollowsParticlesFromRankToRank)
   EXPECT_LT((block.load() - before).norm(), 1e-9 * before.norm());
 }
 
+TYPED_TEST(PressedBox, HistoryGoesThroughPlainRecords)
+{
+  typename TestFixture::Block block(0.5, 1e-3), other(0.5, 1e-3);
+  block.find_pairs();
+  block.evaluate([](const auto&, const unsigned int d) { return d == 0 ? 0.4e-3 : 0.; });
+  block.contact.commit();
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_GT(block.load()[0], 1.);
+
+  // all records come from the last rank
+  std::vector<ContactRecord> records = gather_everywhere(block.contact.export_history(), MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) + 1 < size_of(MPI_COMM_WORLD))
+    records.clear();
+  other.contact.import_history(records, other.particles.ids());
+  other.find_pairs();
+  other.evaluate_at_rest();
+  EXPECT_EQ(other.load(), block.load());
+}
+
 TEST(PressedBoxInSpace, FrictionTurnsWithTheBox)
 {
   // soil and box turn together about the vertical axis through the box's point

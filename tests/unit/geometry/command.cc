@@ -39,7 +39,7 @@ protected:
 
 TEST_F(GeometryCommand, WritesEveryBodyWithItsDefaults)
 {
-  for (const std::string body : {"plate", "frustum", "cone", "sphere", "box"})
+  for (const std::string body : {"plate", "frustum", "cone", "sphere", "box", "ac14 --part fluke", "ac14 --part shank"})
   {
     run(body);
     EXPECT_GT(mass_properties(read_stl(file, "stl")).volume, 0.) << body;

@@ -93,3 +93,21 @@ TEST(Clock, LandsExactlyOnTheEndAfterAnyCuts)
     ASSERT_EQ(clock.steps_done(), double(clock.requested_steps())) << "seed " << seed;
   }
 }
+
+TEST(Clock, ResumesWhereAnotherStopped)
+{
+  Clock clock(3, 1. / 4096.);
+  clock.advance();
+  clock.cut();
+  clock.cut();
+  clock.advance(); // the next step is half a requested one
+  Clock resumed(3, 1. / 4096.);
+  resumed.resume(clock.state());
+  for (; !clock.at_end(); clock.advance(), resumed.advance())
+  {
+    EXPECT_EQ(resumed.steps_done(), clock.steps_done());
+    EXPECT_EQ(resumed.step_fraction(), clock.step_fraction());
+  }
+  EXPECT_TRUE(resumed.at_end());
+  EXPECT_EQ(resumed.cuts(), 2u);
+}

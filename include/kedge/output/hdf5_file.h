@@ -1,0 +1,61 @@
+// Tables in one HDF5 file that all ranks write and read together. Entries are double, std::int64_t or char; every
+// function is collective, and what fails on one rank throws FileError on all.
+#pragma once
+
+#include <cstdint>
+#include <mpi.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// Writes under a second name and renames at the end: a reader sees the old file or the new one, never a part.
+class Hdf5Writer
+{
+public:
+  Hdf5Writer(std::string path, MPI_Comm communicator);
+  /// Removes the draft of a file that was not finished.
+  ~Hdf5Writer();
+  Hdf5Writer(const Hdf5Writer&) = delete;
+  Hdf5Writer& operator=(const Hdf5Writer&) = delete;
+
+  /// Writes the rows of all ranks, of `width` entries each, one rank after the other.
+  template <typename T> void write_rows(const std::string& name, const std::vector<T>& mine, unsigned int width);
+  /// Writes the text that rank 0 gives.
+  void write_text(const std::string& name, const std::string& text);
+  /// Closes the file and gives it its name.
+  void finish();
+
+private:
+  std::string path, draft;
+  MPI_Comm communicator;
+  std::int64_t file = -1;
+  bool sound = true; ///< nothing has failed on this rank
+};
+
+class Hdf5Reader
+{
+public:
+  /// Throws FileError where the file is missing, incomplete or no HDF5 file.
+  Hdf5Reader(std::string path, MPI_Comm communicator);
+  ~Hdf5Reader();
+  Hdf5Reader(const Hdf5Reader&) = delete;
+  Hdf5Reader& operator=(const Hdf5Reader&) = delete;
+
+  /// Number of rows of a table of this width.
+  std::size_t n_rows(const std::string& name, unsigned int width) const;
+  /// Rows `first` to `first` + `count`; each rank may ask for others.
+  template <typename T>
+  std::vector<T> read_rows(const std::string& name, unsigned int width, std::size_t first, std::size_t count) const;
+  /// All rows, on every rank.
+  template <typename T> std::vector<T> read_all(const std::string& name, unsigned int width) const;
+  std::string read_text(const std::string& name) const;
+
+private:
+  void require(bool sound_here, const std::string& problem) const;
+
+  std::string path;
+  MPI_Comm communicator;
+  std::int64_t file = -1;
+};
+} // namespace kedge

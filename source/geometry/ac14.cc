@@ -1,0 +1,115 @@
+#include <kedge/geometry/ac14.h>
+
+#include "profile.h"
+#include "slab.h"
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <kedge/base/exceptions.h>
+
+namespace kedge
+{
+namespace
+{
+using Eigen::Vector2d;
+
+/// Rounding of every convex edge is at least this, m: half a material point of 0.05 m.
+constexpr double least_radius = 0.025;
+
+/// Cubic step from 0 at `from` to 1 at `to`, which may lie on either side.
+double smooth_step(double from, double to, double x)
+{
+  const double t = std::clamp((x - from) / (to - from), 0., 1.);
+  return t * t * (3. - 2. * t);
+}
+
+void require_mesh(const PartMesh& mesh)
+{
+  if (!(mesh.size >= 0.005) || mesh.size > 0.2)
+    throw InputError("size", fmt::format("{:g} m are no edges for this body", mesh.size), "use 0.005 to 0.2 m");
+  if (mesh.segments == 0)
+    throw InputError("edge segments", "0 facets make no rounding", "use at least 1");
+}
+
+/// From the back of the crown over its end and along a leaf-shaped fluke back into the slot, seen along z.
+std::vector<Vector2d> fluke_outline(const Ac14Fluke& fluke, const PartMesh& mesh)
+{
+  const double w = fluke.crown_width / 2., s = fluke.slot_width / 2., x = fluke.length / 1.7;
+  return make_outline_chain({{{0., 0.}, 0.},
+                             {{0., 0.7 * w}, 0.25},
+                             {{0.25 * x, w}, 0.2},
+                             {{0.6 * x, w}, 0.2},
+                             {{0.7 * x, 0.84 * w}, 0.1},
+                             {{1.08 * x, 0.79 * w}, 0.5},
+                             {{1.42 * x, 0.60 * w}, 0.5},
+                             {{fluke.length, s + 0.19}, 0.09},
+                             {{fluke.length, s + 0.03}, 0.09},
+                             {{fluke.length - 0.25, s}, 0.3},
+                             {{fluke.slot_start, s}, 0.95 * s},
+                             {{fluke.slot_start, 0.}, 0.}},
+                            mesh.size, mesh.segments);
+}
+
+/// Foot, tapered shaft and eye, seen along y.
+OutlineChains shank_outline(const Ac14Shank& shank, const PartMesh& mesh)
+{
+  const double end = shank.start + shank.length;
+  OutlineChains chains{make_outline_chain({{{shank.start, 0.}, 0.},
+                                           {{shank.start, 0.13}, 0.125},
+                                           {{shank.pivot + 0.15, 0.2}, 0.5},
+                                           {{shank.eye - 0.45, 0.13}, 0.4},
+                                           {{shank.eye - 0.15, 0.25}, 0.25},
+                                           {{shank.eye + 0.13, 0.25}, 0.25},
+                                           {{end, 0.14}, 0.13},
+                                           {{end, 0.}, 0.}},
+                                          mesh.size, mesh.segments)};
+  if (shank.eye_radius > 0.)
+  {
+    chains.push_back(arc({shank.eye, 0.}, {shank.eye_radius, 0.}, {0., shank.eye_radius}, M_PI, mesh.segments));
+    chains.back().back()[1] = 0.; // sin(pi) is not
+  }
+  return chains;
+}
+} // namespace
+
+TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
+{
+  require_mesh(mesh);
+  const double w = fluke.crown_width / 2., s = fluke.slot_width / 2., length = fluke.length, x0 = length / 1.7;
+  const auto rim_width = [=](const Vector2d& p) { return 0.12 - 0.065 * p[0] / length; };
+  const Planform planform = triangulate_outline({fluke_outline(fluke, mesh)}, rim_width, mesh.size, mesh.segments);
+
+  // The crown: a wedge that falls off to the flukes, higher where the palms are than between them.
+  const auto crown = [=](const Vector2d& p)
+  {
+    const double along = smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]);
+    const double palms = smooth_step(s, s + 0.25, std::abs(p[1])) * smooth_step(w + 0.1, w - 0.25, std::abs(p[1]));
+    return along * (0.5 + 0.5 * palms);
+  };
+  const auto flukes = [=](const Vector2d& p)
+  {
+    const double thinning = 1. - 0.6 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
+    return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
+  };
+  return thicken(planform, fit_half_thickness(planform, crown, flukes, {fluke.mass / steel_density, fluke.centroid},
+                                              rim_width, least_radius));
+}
+
+TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh)
+{
+  require_mesh(mesh);
+  const auto rim_width = [](const Vector2d&) { return 0.065; };
+  const Planform planform = triangulate_outline(shank_outline(shank, mesh), rim_width, mesh.size, mesh.segments);
+  const double middle = shank.start + shank.length / 2.;
+  const auto uniform = [](const Vector2d&) { return 1.; };
+  const auto taper = [=](const Vector2d& p) { return (middle - p[0]) / shank.length; };
+  TriangleMesh part =
+      thicken(planform, fit_half_thickness(planform, uniform, taper, {shank.mass / steel_density, shank.centroid},
+                                           rim_width, least_radius));
+  for (Eigen::Vector3d& x : part.vertices) // its outline lies in x-z
+    std::swap(x[1], x[2]);
+  for (auto& triangle : part.triangles)
+    std::swap(triangle[1], triangle[2]);
+  return part;
+}
+} // namespace kedge

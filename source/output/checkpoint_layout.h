@@ -1,0 +1,24 @@
+// What a restart file is made of, for its writer and its reader.
+#pragma once
+
+#include <fmt/format.h>
+#include <kedge/output/checkpoint.h>
+
+namespace kedge::checkpoint
+{
+/// Grows with every change of what the file holds.
+constexpr int format_version = 1;
+
+/// Widths of the tables' rows.
+template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields
+template <int dim> constexpr unsigned int leaf_width = dim + 2;                // level, index, number of particles
+template <int dim> constexpr unsigned int node_width = 2 * dim;                // position, increment
+constexpr unsigned int body_width = 3 + 4 + 6 + 6; // position, rotation (x y z w), velocity, acceleration
+constexpr unsigned int contact_key_width = 3, contact_width = 4;
+
+/// What the text "version" says.
+inline std::string version_text(const unsigned int dim)
+{
+  return fmt::format("Kedge restart file {}, {}-D", format_version, dim);
+}
+} // namespace kedge::checkpoint

@@ -1,0 +1,220 @@
+#include "checkpoint_layout.h"
+
+#include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/mesh/octree.h>
+#include <kedge/output/hdf5_file.h>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+namespace kedge
+{
+using namespace checkpoint;
+
+namespace
+{
+using Json = nlohmann::json;
+
+RunProgress progress_from(const Json& json)
+{
+  RunProgress progress;
+  progress.stage = json.at("stage");
+  const Json& clock = json.at("clock");
+  progress.clock = {clock.at(0), clock.at(1), clock.at(2)};
+  progress.step = json.at("step");
+  progress.steps_in_stage = json.at("steps in stage");
+  progress.deleted = json.at("deleted");
+  progress.has_warned_of_window = json.at("has warned of window");
+  progress.summary = json.at("summary");
+  return progress;
+}
+
+Json parse(const std::string& text, const std::string& path)
+{
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded())
+    throw FileError(path, "is damaged: a text in it is no JSON");
+  return json;
+}
+
+/// Throws InputError where two inputs differ in what makes the state.
+void require_same_input(const std::string& now, const std::string& then, const std::string& path)
+{
+  Json a = parse(then, path), b = Json::parse(now);
+  for (const char* free : {"output", "solver", "GPU", "comment"})
+  {
+    a.erase(free);
+    b.erase(free);
+  }
+  const Json difference = Json::diff(a, b);
+  if (!difference.empty())
+    throw InputError("restart",
+                     fmt::format("{} belongs to an input with another value of {}", path,
+                                 difference[0].at("path").get<std::string>()),
+                     "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
+                     "may differ");
+}
+
+/// A point of the grid as a number that does not depend on how it was computed.
+template <int dim> std::string node_key(const double* position, const double base_size)
+{
+  std::array<std::int64_t, dim> key;
+  for (unsigned int d = 0; d < dim; ++d)
+    key[d] = std::llround(std::ldexp(position[d] / base_size, 30)); // no tree is as deep as that
+  return {reinterpret_cast<const char*>(key.data()), sizeof(key)};
+}
+
+template <int dim>
+void read_mesh(const RunState<dim>& state, const Hdf5Reader& file, const std::vector<std::int64_t>& rows,
+               const double particle_cost)
+{
+  constexpr unsigned int width = leaf_width<dim>;
+  std::vector<LeafPlace<dim>> leaves(rows.size() / width);
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    leaves[i].level = rows[width * i];
+    std::copy_n(&rows[width * i + 1], dim, leaves[i].index.begin());
+  }
+  refine_to(state.mesh, leaves);
+  auto& forest = state.mesh.triangulation();
+  const MPI_Comm communicator = forest.get_communicator();
+  const auto cells = cells_in_forest_order(state.mesh);
+  const std::size_t first = sum_over_lower_ranks(cells.size(), communicator);
+  bool fits = forest.n_global_active_cells() == leaves.size();
+  for (std::size_t i = 0; fits && i < cells.size(); ++i)
+  {
+    const LeafPlace<dim> place = place_of(cells[i], state.mesh);
+    fits = place.level == leaves[first + i].level && place.index == leaves[first + i].index;
+  }
+  if (min_over_ranks(fits, communicator) < 1.)
+    throw InputError("restart", "the cells of the restart file do not fit the grid of this input",
+                     "restart with the input of the first run");
+
+  const std::vector<std::int64_t> counts = file.read_all<std::int64_t>("leaves of ranks", 1);
+  if (counts.size() == static_cast<std::size_t>(size_of(communicator)))
+    repartition_to(state.mesh, counts);
+  else
+  {
+    std::vector<double> work(forest.n_active_cells(), 1.);
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      work[cells[i]->active_cell_index()] += particle_cost * rows[width * (first + i + 1) - 1];
+    state.mesh.repartition(work);
+  }
+  state.mesh.update();
+
+  const std::vector<std::int64_t> planes = file.read_all<std::int64_t>("window", 2 * dim);
+  Window<dim> window;
+  std::copy_n(planes.begin(), dim, window.lower.begin());
+  std::copy_n(planes.begin() + dim, dim, window.upper.begin());
+  state.mesh.set_window(window);
+}
+
+/// The leaves of this rank lie next to each other in the file, and so do their particles.
+template <int dim>
+void read_particles(const RunState<dim>& state, const Hdf5Reader& file, const std::vector<std::int64_t>& leaf_rows)
+{
+  constexpr unsigned int leaf_step = leaf_width<dim>, step = particle_width<dim>;
+  const auto cells = cells_in_forest_order(state.mesh);
+  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  const std::size_t first_leaf = sum_over_lower_ranks(cells.size(), communicator);
+  const auto in_leaf = [&](const std::size_t leaf) { return leaf_rows[leaf_step * (leaf + 1) - 1]; };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    count += in_leaf(first_leaf + i);
+  const std::size_t first = sum_over_lower_ranks(count, communicator);
+  const std::vector<std::int64_t> ids = file.read_rows<std::int64_t>("particle numbers", 1, first, count);
+  const std::vector<double> data = file.read_rows<double>("particles", step, first, count);
+
+  std::size_t p = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (std::int64_t k = 0; k < in_leaf(first_leaf + i); ++k, ++p)
+    {
+      dealii::Point<dim> x;
+      std::copy_n(&data[step * p], dim, x.begin_raw());
+      state.particles.handler().insert_particle(x, state.mesh.mapping().transform_real_to_unit_cell(cells[i], x),
+                                                ids[p], cells[i],
+                                                dealii::ArrayView<const double>(&data[step * p + dim], field::count));
+    }
+  state.particles.handler().update_cached_numbers();
+  state.particles.load();
+}
+
+template <int dim> void read_contact(const RunState<dim>& state, const Hdf5Reader& file)
+{
+  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  // Any share will do: the records go where their particles are.
+  const std::size_t n = file.n_rows("contact keys", contact_key_width), rank = rank_of(communicator),
+                    size = size_of(communicator), first = n * rank / size, count = n * (rank + 1) / size - first;
+  const auto keys = file.read_rows<std::int64_t>("contact keys", contact_key_width, first, count);
+  const auto values = file.read_rows<double>("contact", contact_width, first, count);
+  std::vector<ContactRecord> records;
+  for (std::size_t i = 0; i < count; ++i)
+  {
+    const std::int64_t* key = &keys[contact_key_width * i];
+    const double* value = &values[contact_width * i];
+    records.push_back({key[0],
+                       static_cast<std::uint32_t>(key[1]),
+                       static_cast<std::uint32_t>(key[2]),
+                       {value[0], value[1], value[2]},
+                       value[3]});
+  }
+  state.contact.import_history(records, state.particles.ids());
+}
+
+void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
+{
+  const std::vector<double> rows = file.read_all<double>("rigid points", body_width);
+  if (rows.size() != body_width * bodies.points.size())
+    throw InputError("restart", "the restart file has another number of rigid points than this input");
+  const double* row = rows.data();
+  for (RigidPoint& point : bodies.points)
+  {
+    const auto take = [&row](auto&& x)
+    {
+      std::copy_n(row, x.size(), x.data());
+      row += x.size();
+    };
+    take(point.pose.position);
+    take(point.pose.rotation.coeffs());
+    take(point.velocity);
+    take(point.acceleration);
+  }
+}
+
+template <int dim> void read_prediction(const RunState<dim>& state, const Hdf5Reader& file)
+{
+  const std::vector<double> rows = file.read_all<double>("prediction", node_width<dim>);
+  const LeafTable<dim>& table = state.mesh.leaves();
+  state.prediction.assign(rows.empty() ? 0 : dim * table.node_position.size(), 0.);
+  std::unordered_map<std::string, const double*> increment_at;
+  for (std::size_t i = 0; i < rows.size(); i += node_width<dim>)
+    increment_at[node_key<dim>(&rows[i], table.base_size)] = &rows[i + dim];
+  for (std::size_t node = 0; !rows.empty() && node < table.node_position.size(); ++node)
+    if (const auto entry = increment_at.find(node_key<dim>(table.node_position[node].data(), table.base_size));
+        entry != increment_at.end())
+      std::copy_n(entry->second, dim, &state.prediction[dim * node]);
+}
+} // namespace
+
+template <int dim>
+void read_checkpoint(const RunState<dim>& state, const std::string& input, const std::string& path,
+                     const double particle_cost)
+{
+  const Hdf5Reader file(path, state.mesh.triangulation().get_communicator());
+  const std::string version = file.read_text("version"), expected = version_text(dim);
+  if (version != expected)
+    throw FileError(path, fmt::format("is \"{}\", not \"{}\"", version, expected));
+  require_same_input(input, file.read_text("input"), path);
+
+  const auto leaves = file.read_all<std::int64_t>("leaves", leaf_width<dim>);
+  read_mesh(state, file, leaves, particle_cost);
+  read_particles(state, file, leaves);
+  read_contact(state, file);
+  read_bodies(state.bodies, file);
+  read_prediction(state, file);
+  state.progress = progress_from(parse(file.read_text("progress"), path));
+}
+
+template void read_checkpoint<2>(const RunState<2>&, const std::string&, const std::string&, double);
+template void read_checkpoint<3>(const RunState<3>&, const std::string&, const std::string&, double);
+} // namespace kedge

@@ -1,0 +1,116 @@
+#include "checkpoint_layout.h"
+
+#include <kedge/base/communication.h>
+#include <kedge/mesh/octree.h>
+#include <kedge/output/hdf5_file.h>
+#include <nlohmann/json.hpp>
+
+namespace kedge
+{
+using namespace checkpoint;
+
+namespace
+{
+nlohmann::json to_json(const RunProgress& progress)
+{
+  return {{"stage", progress.stage},     {"clock", {progress.clock.position, progress.clock.size, progress.clock.cuts}},
+          {"step", progress.step},       {"steps in stage", progress.steps_in_stage},
+          {"deleted", progress.deleted}, {"has warned of window", progress.has_warned_of_window},
+          {"summary", progress.summary}};
+}
+
+template <int dim> void write_cells_and_particles(const RunState<dim>& state, Hdf5Writer& file)
+{
+  std::vector<std::int64_t> leaves, ids;
+  std::vector<double> particles;
+  const auto cells = cells_in_forest_order(state.mesh);
+  for (const auto& cell : cells)
+  {
+    const LeafPlace<dim> place = place_of(cell, state.mesh);
+    leaves.push_back(place.level);
+    leaves.insert(leaves.end(), place.index.begin(), place.index.end());
+    leaves.push_back(state.particles.handler().n_particles_in_cell(cell));
+    for (const auto& particle : state.particles.handler().particles_in_cell(cell))
+    {
+      ids.push_back(particle.get_id());
+      for (unsigned int d = 0; d < dim; ++d)
+        particles.push_back(particle.get_location()[d]);
+      const auto data = particle.get_properties();
+      particles.insert(particles.end(), data.begin(), data.end());
+    }
+  }
+  file.write_rows("leaves", leaves, leaf_width<dim>);
+  file.write_rows("leaves of ranks", std::vector<std::int64_t>{static_cast<std::int64_t>(cells.size())}, 1);
+  file.write_rows("particle numbers", ids, 1);
+  file.write_rows("particles", particles, particle_width<dim>);
+}
+
+template <int dim> void write_prediction(const RunState<dim>& state, Hdf5Writer& file)
+{
+  const LeafTable<dim>& table = state.mesh.leaves();
+  std::vector<double> nodes;
+  if (!state.prediction.empty())
+    for (std::size_t node = 0; node < table.node_position.size(); ++node)
+      if (table.node_owner_is_me[node])
+      {
+        nodes.insert(nodes.end(), table.node_position[node].begin(), table.node_position[node].end());
+        nodes.insert(nodes.end(), &state.prediction[dim * node], &state.prediction[dim * node] + dim);
+      }
+  file.write_rows("prediction", nodes, node_width<dim>);
+}
+
+template <int dim> void write_contact(const Contact<dim>& contact, Hdf5Writer& file)
+{
+  std::vector<std::int64_t> keys;
+  std::vector<double> values;
+  for (const ContactRecord& record : contact.export_history())
+  {
+    keys.insert(keys.end(), {record.particle, record.corner, record.surface});
+    values.insert(values.end(), record.tangential, record.tangential + 3);
+    values.push_back(record.reference_gap);
+  }
+  file.write_rows("contact keys", keys, contact_key_width);
+  file.write_rows("contact", values, contact_width);
+}
+
+/// All ranks know the bodies; rank 0 writes them.
+void write_bodies(const RigidSystems& bodies, const bool root, Hdf5Writer& file)
+{
+  std::vector<double> rows;
+  if (root)
+    for (const RigidPoint& point : bodies.points)
+    {
+      const auto append = [&rows](const auto& x) { rows.insert(rows.end(), x.data(), x.data() + x.size()); };
+      append(point.pose.position);
+      append(point.pose.rotation.coeffs());
+      append(point.velocity);
+      append(point.acceleration);
+    }
+  file.write_rows("rigid points", rows, body_width);
+}
+} // namespace
+
+template <int dim> void write_checkpoint(const RunState<dim>& state, const std::string& input, const std::string& path)
+{
+  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  Hdf5Writer file(path, communicator);
+  file.write_text("version", version_text(dim));
+  file.write_text("input", input);
+  RunProgress progress = state.progress;
+  progress.deleted += state.particles.n_lost();
+  file.write_text("progress", to_json(progress).dump());
+  const Window<dim>& window = state.mesh.leaves().window;
+  std::vector<std::int64_t> planes(window.lower.begin(), window.lower.end());
+  planes.insert(planes.end(), window.upper.begin(), window.upper.end());
+  const bool root = rank_of(communicator) == 0;
+  file.write_rows("window", root ? planes : std::vector<std::int64_t>(), 2 * dim);
+  write_cells_and_particles(state, file);
+  write_contact(state.contact, file);
+  write_bodies(state.bodies, root, file);
+  write_prediction(state, file);
+  file.finish();
+}
+
+template void write_checkpoint<2>(const RunState<2>&, const std::string&, const std::string&);
+template void write_checkpoint<3>(const RunState<3>&, const std::string&, const std::string&);
+} // namespace kedge
