@@ -20,8 +20,9 @@ using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, Tpe
 
 constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
-constexpr double almost_zero = 1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
-constexpr unsigned int worth_a_rebuild = 8;       // iterations that cost about as much as a new hierarchy
+constexpr double almost_zero =
+    1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
+constexpr unsigned int worth_a_rebuild = 8; // iterations that cost about as much as a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
 {

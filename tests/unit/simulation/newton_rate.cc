@@ -144,3 +144,23 @@ TEST(NewtonRate, IsQuadraticUnderAFootingThatSlides)
   expect_quadratic(footing.push(translation(1.5e-3, 5e-4, -3e-3)));
   EXPECT_GT(footing.count_yielding(), 20);
 }
+
+TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
+{
+  Footing footing(0.3);
+  RigidPoint& point = footing.bodies.points[0];
+  point.mass = 2000.;
+  point.inertia = {200., 300., 400.};
+  point.conditions.fill({DofCondition::Kind::free, 0.});
+  point.velocity << 0.15, 0.05, -1., 0.3, 0.2, 0.1;
+  footing.stage.stepping.type = StageType::dynamic;
+  footing.stage.stepping.dt = 0.01;
+  StepProblem<3>::Load load;
+  load.newmark = {footing.stage.stepping.beta, footing.stage.stepping.gamma, footing.stage.stepping.dt};
+  load.body_increments = {Vector6::Zero()};
+  StepProblem<3> problem(footing.input, footing.stage, footing.mesh, footing.particles, footing.materials,
+                         footing.bodies, footing.contact, footing.timings);
+  expect_quadratic(problem.solve(load, {}));
+  EXPECT_LT(problem.rigid_increments()[0][2], -5e-3);
+  EXPECT_GT(footing.count_yielding(), 20);
+}
