@@ -4,7 +4,7 @@
 #include <kedge/particles/generation.h>
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
-#include <kedge/simulation/burial.h>
+#include <kedge/simulation/placement.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/layout.h>
 #include <set>
@@ -70,7 +70,7 @@ public:
   {
     apply_conditions(bodies, input.systems, stage.point_conditions, dim);
     if (stage.rigid_bodies && stage.surface_placement)
-      place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
+      place_on_soil<dim>(bodies, particles, MPI_COMM_SELF);
     if (is_refined(stage))
       refine(stage.adaptivity);
     if (stage.rigid_bodies && stage.wished_in_place)

@@ -9,7 +9,7 @@
 #include <kedge/particles/merging.h>
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
-#include <kedge/simulation/burial.h>
+#include <kedge/simulation/placement.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/moving_window.h>
 #include <kedge/simulation/run_log.h>
@@ -134,7 +134,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   writer.begin_stage(count_steps(stage->stepping));
   apply_conditions(bodies, input.systems, stage->point_conditions, dim);
   if (stage->rigid_bodies && stage->surface_placement)
-    place_on_surface(bodies, 2, mesh.layout().soil_extent[dim - 1]);
+    place_on_soil<dim>(bodies, particles, MPI_COMM_WORLD);
   log.begin_stage(stage->stepping, bodies);
   move_window_to(place_window<dim>(stage->track, extent_of<dim>(bodies), mesh.layout()));
   if (!stage->rigid_bodies || !stage->wished_in_place)
