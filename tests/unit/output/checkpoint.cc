@@ -275,6 +275,24 @@ TYPED_TEST(Checkpoint, ProgressIsKept)
   EXPECT_EQ(progress.summary, run.progress.summary);
 }
 
+TYPED_TEST(Checkpoint, LostParticlesCountAsDeleted)
+{
+  constexpr int dim = TypeParam::value;
+  Interrupted<dim> run(MPI_COMM_WORLD);
+  ParticleIncrements increments;
+  increments.displacement = View<double* [3]>("displacement", run.particles.ids().size());
+  increments.deformation_gradient = View<double* [9]>("dF", run.particles.ids().size());
+  Kokkos::deep_copy(increments.displacement, 100.); // beyond the grid
+  run.particles.commit(increments, DomainUpdate::none);
+  run.particles.load();
+  run.contact.import_history({}, run.particles.ids());
+  ASSERT_GT(run.particles.n_lost(), 0);
+  write_checkpoint(run.state(), input, this->file);
+  Fresh<dim> restored(MPI_COMM_WORLD);
+  read_checkpoint(restored.state(), input, this->file, particle_cost);
+  EXPECT_EQ(restored.progress.deleted, 4 + run.particles.n_lost());
+}
+
 TYPED_TEST(Checkpoint, NoPredictionStaysNone)
 {
   Interrupted<TypeParam::value> run(MPI_COMM_WORLD);
@@ -314,6 +332,21 @@ TYPED_TEST(Checkpoint, FileOfTheOtherDimensionIsRefused)
 {
   constexpr int other = 5 - TypeParam::value;
   write_checkpoint(Interrupted<other>(MPI_COMM_WORLD).state(), input, this->file);
+  EXPECT_THROW(this->read(), FileError);
+}
+
+TYPED_TEST(Checkpoint, FileOfAnotherVersionIsRefused)
+{
+  this->write();
+  MPI_Barrier(MPI_COMM_WORLD);
+  if (rank_of(MPI_COMM_WORLD) == 0)
+  {
+    std::string bytes = read_text_file(this->file);
+    const std::string version = "Kedge restart file ";
+    bytes[bytes.find(version) + version.size()] = '9';
+    write_text_file(this->file, bytes);
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
   EXPECT_THROW(this->read(), FileError);
 }
 
