@@ -16,17 +16,18 @@ enum ExitCode
   success = 0,
   bad_input = 2,
   solver_failure = 3,
-  file_failure = 4
+  file_failure = 4,
+  told_to_end = 143 // as the shell reports a SIGTERM
 };
 
 struct Arguments
 {
   std::string file, output;
   std::vector<std::string> overrides;
-  bool cpu = false, quiet = false, verbose = false;
+  bool cpu = false, quiet = false, verbose = false, restart = false;
 };
 
-void run(const Arguments& arguments)
+ExitCode run(const Arguments& arguments)
 {
   kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
   kedge::refuse_unavailable_features(input);
@@ -38,7 +39,8 @@ void run(const Arguments& arguments)
       arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
   options.quiet = arguments.quiet;
   options.verbose = arguments.verbose;
-  kedge::run_simulation(input, options);
+  options.restart = arguments.restart;
+  return kedge::run_simulation(input, options) ? success : told_to_end;
 }
 
 void check(const Arguments& arguments)
@@ -67,7 +69,8 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   app.set_version_flag("--version", kedge::describe_versions());
   app.footer(
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
-      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written");
+      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
+      "            143 told to end by SIGTERM, with a restart file written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -77,7 +80,9 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
   run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");
-  run_command.final_callback([&] { run(arguments); });
+  run_command.add_flag("--restart", arguments.restart, "Go on from the restart file in the output folder");
+  ExitCode code = success;
+  run_command.final_callback([&] { code = run(arguments); });
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and tell what it costs to run");
   add_file_arguments(check_command, arguments);
@@ -102,7 +107,7 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   {
     return app.exit(error) == 0 ? success : bad_input;
   }
-  return success;
+  return code;
 }
 } // namespace
 

@@ -30,6 +30,25 @@ Json to_json(const StageSummary& stage)
           {"rigid points at start", stage.start_positions}};
 }
 
+StageSummary stage_from(const Json& json)
+{
+  StageSummary stage;
+  stage.type = json.at("type");
+  stage.steps = json.at("steps");
+  stage.cuts = json.at("cuts");
+  stage.newton_iterations = json.at("newton iterations");
+  stage.krylov_iterations = json.at("krylov iterations");
+  stage.particles = json.at("material points");
+  stage.cells = json.at("cells");
+  stage.dofs = json.at("dofs");
+  stage.deleted = json.at("deleted");
+  stage.penetration = json.at("deepest penetration");
+  stage.particle_bytes = json.at("bytes per material point").at("data");
+  stage.basis_bytes = json.at("bytes per material point").at("basis");
+  stage.start_positions = json.at("rigid points at start").get<std::vector<std::array<double, 3>>>();
+  return stage;
+}
+
 /// The first line: some implementations add how they were built.
 std::string mpi_version()
 {
@@ -50,6 +69,26 @@ std::map<std::string, std::string> library_versions()
           {"zlib", zlibVersion()},
           {"MPI", mpi_version()},
           {"compiler", __VERSION__}};
+}
+
+std::string stages_as_text(const RunSummary& summary)
+{
+  Json stages = Json::array();
+  for (const StageSummary& stage : summary.stages)
+    stages.push_back(to_json(stage));
+  return Json{{"stages", stages}, {"total", summary.total_seconds}, {"phases", summary.seconds}}.dump();
+}
+
+void read_stages(const std::string& text, RunSummary& summary)
+{
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded() || !json.contains("stages"))
+    return;
+  summary.stages.clear();
+  for (const Json& stage : json.at("stages"))
+    summary.stages.push_back(stage_from(stage));
+  summary.total_seconds = json.at("total");
+  summary.seconds = json.at("phases").get<std::map<std::string, double>>();
 }
 
 void write_summary(const RunSummary& summary, const std::string& file)

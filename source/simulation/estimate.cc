@@ -4,9 +4,9 @@
 #include <kedge/particles/generation.h>
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
-#include <kedge/simulation/placement.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/layout.h>
+#include <kedge/simulation/placement.h>
 #include <set>
 
 namespace kedge

@@ -27,7 +27,5 @@ void refuse_unavailable_features(const Input& input)
     refuse("contact.method", "the augmented Lagrangian method", "use \"penalty\"");
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     refuse_in_stage(input.stages[i], entry("analysis", i));
-  if (!input.output.checkpoint_every.empty())
-    refuse("output.checkpoint every", "writing restart files", "remove the key");
 }
 } // namespace kedge

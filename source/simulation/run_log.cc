@@ -39,11 +39,29 @@ void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems&
   write("running");
 }
 
+std::string RunLog::text_of_stages()
+{
+  take_times();
+  return stages_as_text(summary);
+}
+
+void RunLog::resume(const SteppingParameters& stepping, const std::string& text, const unsigned int stage_number)
+{
+  step_length = kedge::step_length(stepping);
+  read_stages(text, summary);
+  earlier.total_seconds = summary.total_seconds;
+  earlier.seconds = summary.seconds;
+  summary.stages.resize(stage_number + 1);
+  for (unsigned int stage = 0; stage < stage_number; ++stage)
+    deleted_before += summary.stages[stage].deleted;
+  write("running");
+}
+
 void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)
 {
   StageSummary& counts = summary.stages.back();
   counts.steps += newton.converged;
-  counts.cuts = clock.cuts();
+  counts.cuts = clock.cuts(); // of the whole stage, also where a run goes on
   counts.newton_iterations += newton.iterations;
   counts.krylov_iterations += newton.krylov_iterations;
   if (options.verbose)
@@ -95,12 +113,20 @@ void RunLog::finish(const std::string& status)
     terminal.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
 }
 
+void RunLog::take_times()
+{
+  summary.seconds = earlier.seconds;
+  for (const auto& [phase, seconds] : clock_of_phases.seconds())
+    summary.seconds[phase] += seconds;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start;
+  summary.total_seconds = earlier.total_seconds + since.count();
+}
+
 void RunLog::write(const std::string& status)
 {
   summary.status = status;
   summary.warnings = terminal.warnings();
-  summary.seconds = clock_of_phases.seconds();
-  summary.total_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  take_times();
   summary.peak_memory = max_over_ranks(peak_memory(), MPI_COMM_WORLD);
   if (rank_of(MPI_COMM_WORLD) == 0)
     write_summary(summary, (std::filesystem::path(options.output_directory) / "summary.json").string());

@@ -3,19 +3,22 @@
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/output/checkpoint.h>
 #include <kedge/output/snapshots.h>
 #include <kedge/particles/cleaning.h>
 #include <kedge/particles/generation.h>
 #include <kedge/particles/merging.h>
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
-#include <kedge/simulation/placement.h>
+#include <kedge/simulation/checkpoints.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/moving_window.h>
+#include <kedge/simulation/placement.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/step_problem.h>
 #include <numeric>
+#include <optional>
 
 namespace kedge
 {
@@ -41,12 +44,16 @@ template <int dim> class Simulation
 {
 public:
   Simulation(const Input& input, const RunOptions& options);
-  void run();
+  bool run();
 
 private:
+  void generate(const RunOptions& options);
+  void resume();
+  void enter_stage(unsigned int number);
   void warn_of_sharp_edges();
   void begin_stage(unsigned int number);
-  void run_stage();
+  bool run_stage();
+  void write_restart_file(const Clock& clock);
   void prepare_step();
   void follow_bodies_with_window();
   void move_window_to(const Window<dim>& window);
@@ -71,6 +78,8 @@ private:
   RigidSystems bodies;
   Contact<dim> contact;
   OutputWriter<dim> writer;
+  CheckpointSchedule checkpoints;
+  std::optional<ClockState> resumed; ///< where the stage goes on that a restart file was written in
 
   std::unique_ptr<StepProblem<dim>> problem; ///< of the current step; survives a cut
   typename StepProblem<dim>::Load load;
@@ -92,11 +101,20 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
       materials(upload_layers(input_.material_points.layers)),
       bodies(make_rigid_systems(input_.systems, dim)),
       contact(input_.contact, MPI_COMM_WORLD),
-      writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD)
+      writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD),
+      checkpoints(input_.output, options.output_directory)
+{
+  warn_of_sharp_edges();
+  if (options.restart)
+    resume();
+  else
+    generate(options);
+}
+
+template <int dim> void Simulation<dim>::generate(const RunOptions& options)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)
     write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
-  warn_of_sharp_edges();
   const auto scope = log.timings().measure("generation");
   generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
   particles.balance_load(mesh, particle_cost);
@@ -115,24 +133,69 @@ template <int dim> void Simulation<dim>::warn_of_sharp_edges()
                       i + 1, radius, 0.5 * particle));
 }
 
-template <int dim> void Simulation<dim>::run()
+template <int dim> void Simulation<dim>::resume()
 {
-  for (unsigned int number = 0; number < input.stages.size(); ++number)
+  RunProgress progress;
+  read_checkpoint<dim>({mesh, particles, bodies, contact, prediction, progress}, input.effective_json,
+                       checkpoints.path(), particle_cost);
+  enter_stage(progress.stage);
+  log.resume(stage->stepping, progress.summary, stage_number);
+  writer.resume_after(progress.step);
+  step = progress.step;
+  deleted = progress.deleted;
+  has_warned_of_window = progress.has_warned_of_window;
+  resumed = progress.clock;
+  log.report().line(fmt::format("going on after step {} from {}", step, checkpoints.path()));
+}
+
+template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
+{
+  const auto scope = log.timings().measure("restart files");
+  if (rank_of(MPI_COMM_WORLD) == 0)
   {
-    begin_stage(number);
-    run_stage();
+    std::error_code ignored; // the writer reports what cannot be written
+    std::filesystem::create_directories(std::filesystem::path(checkpoints.path()).parent_path(), ignored);
+  }
+  RunProgress progress{
+      stage_number,         clock.state(),       step, log.steps_in_stage(), deleted + particles.n_lost(),
+      has_warned_of_window, log.text_of_stages()};
+  write_checkpoint<dim>({mesh, particles, bodies, contact, prediction, progress}, input.effective_json,
+                        checkpoints.path());
+}
+
+template <int dim> bool Simulation<dim>::run()
+{
+  for (unsigned int number = stage_number; number < input.stages.size(); ++number)
+  {
+    if (!resumed)
+      begin_stage(number);
+    if (!run_stage())
+    {
+      log.finish("ended by SIGTERM");
+      return false;
+    }
     end_stage();
   }
   log.finish("finished");
+  return true;
+}
+
+/// What a stage that goes on does as well as one that begins.
+template <int dim> void Simulation<dim>::enter_stage(const unsigned int number)
+{
+  stage_number = number;
+  stage = &input.stages[number];
+  finished_time = 0.;
+  for (unsigned int i = 0; i < number; ++i)
+    finished_time += requested_steps(input.stages[i].stepping) * step_length(input.stages[i].stepping);
+  writer.begin_stage(count_steps(stage->stepping));
+  apply_conditions(bodies, input.systems, stage->point_conditions, dim);
 }
 
 template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
-  stage_number = number;
-  stage = &input.stages[number];
+  enter_stage(number);
   prediction.clear();
-  writer.begin_stage(count_steps(stage->stepping));
-  apply_conditions(bodies, input.systems, stage->point_conditions, dim);
   if (stage->rigid_bodies && stage->surface_placement)
     place_on_soil<dim>(bodies, particles, MPI_COMM_WORLD);
   log.begin_stage(stage->stepping, bodies);
@@ -146,9 +209,13 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
   take_reference_gaps = true;
 }
 
-template <int dim> void Simulation<dim>::run_stage()
+/// False where the run was told to end.
+template <int dim> bool Simulation<dim>::run_stage()
 {
   Clock clock(requested_steps(stage->stepping), input.solver.minimum_step_fraction);
+  if (resumed)
+    clock.resume(*resumed);
+  resumed.reset();
   while (!clock.at_end())
   {
     if (!problem)
@@ -165,10 +232,15 @@ template <int dim> void Simulation<dim>::run_stage()
     {
       log.progress(newton, clock, step_state());
       write_output(clock, false);
+      if (checkpoints.due())
+        write_restart_file(clock);
+      if (checkpoints.told_to_end())
+        return false;
     }
     else if (!clock.cut())
       give_up(clock, newton);
   }
+  return true;
 }
 
 /// What a cut step does not repeat.
@@ -303,7 +375,10 @@ template <int dim> void Simulation<dim>::commit_trial()
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   if (log.steps_in_stage() > 0)
+  {
     write_output(clock, true);
+    write_restart_file(clock);
+  }
   end_stage();
   log.finish("failed: " + newton.failure);
   throw SolverError(
@@ -319,7 +394,6 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
 template <int dim> void Simulation<dim>::end_stage()
 {
   problem.reset();
-  finished_time += requested_steps(stage->stepping) * step_length(stage->stepping);
   long long cells = 0;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
     cells += cell->is_locally_owned() && mesh.in_window(cell) && particles.handler().n_particles_in_cell(cell) > 0;
@@ -329,11 +403,8 @@ template <int dim> void Simulation<dim>::end_stage()
 
 void check_surfaces(const Input& input) { make_rigid_systems(input.systems, input.dimension); }
 
-void run_simulation(const Input& input, const RunOptions& options)
+bool run_simulation(const Input& input, const RunOptions& options)
 {
-  if (input.dimension == 2)
-    Simulation<2>(input, options).run();
-  else
-    Simulation<3>(input, options).run();
+  return input.dimension == 2 ? Simulation<2>(input, options).run() : Simulation<3>(input, options).run();
 }
 } // namespace kedge

@@ -38,6 +38,10 @@ struct RunSummary
 /// Versions of the libraries that matter to a result, of MPI and of the compiler.
 std::map<std::string, std::string> library_versions();
 
+/// The stages and the wall time as text for a restart file, and back. What cannot be read counts as no stages.
+std::string stages_as_text(const RunSummary& summary);
+void read_stages(const std::string& text, RunSummary& summary);
+
 /// Writes JSON in one go: a reader sees the old summary or the new one. Throws FileError.
 void write_summary(const RunSummary& summary, const std::string& file);
 } // namespace kedge

@@ -10,8 +10,7 @@ namespace kedge
 template <int dim> long long remove_buried_particles(ParticleSet<dim>& particles, const RigidSystems& bodies);
 
 /// Moves all bodies vertically by one amount so that their lowest surface point rests on the soil as it is now: on the
-/// highest domain below the box around all surfaces. Soil that has settled under its weight lies lower than it was drawn.
-/// Without soil there the bodies stay. Collective.
-template <int dim>
-void place_on_soil(RigidSystems& bodies, const ParticleSet<dim>& particles, MPI_Comm communicator);
+/// highest domain below the box around all surfaces. Soil that has settled under its weight lies lower than it was
+/// drawn. Without soil there the bodies stay. Collective.
+template <int dim> void place_on_soil(RigidSystems& bodies, const ParticleSet<dim>& particles, MPI_Comm communicator);
 } // namespace kedge

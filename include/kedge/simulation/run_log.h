@@ -36,6 +36,9 @@ public:
 
   /// Writes a first summary, so that a reader knows where the bodies start. Collective.
   void begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies);
+  /// What a restart file keeps of the stages so far, and how a run goes on from it in the stage that it stopped in.
+  std::string text_of_stages();
+  void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepState& state);
@@ -46,6 +49,7 @@ public:
   void finish(const std::string& status);
 
 private:
+  void take_times();
   void write(const std::string& status);
 
   const Input& input;
@@ -54,6 +58,7 @@ private:
   Report terminal;
   Timings clock_of_phases;
   RunSummary summary;
+  RunSummary earlier;           ///< times of the run that this one goes on from
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
 };

@@ -72,8 +72,7 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
       size = std::max(size, std::abs(difference));
       error = std::max(error, std::abs(difference - exact[i]));
     }
-    if (!exact.empty())
-      EXPECT_LT(error, 1e-6 * std::max(size, 1.)) << "force, dof " << j;
+    EXPECT_LT(error, 1e-6 * std::max(size, 1.)) << "force, dof " << j;
     const Vector6 difference = (high.on_body - low.on_body) / (2. * h);
     EXPECT_LT((difference - (coupling.load_by_body[0] * map).col(j)).norm(), 1e-6 * difference.norm()) << "dof " << j;
   }

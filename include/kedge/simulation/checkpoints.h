@@ -1,0 +1,35 @@
+// When a run writes its restart file.
+#pragma once
+
+#include <chrono>
+#include <kedge/output/parameters.h>
+#include <string>
+
+namespace kedge
+{
+/// Counts steps or wall time since the last restart file, and listens for SIGTERM while files are wanted.
+class CheckpointSchedule
+{
+public:
+  /// `output_directory`: what the folder of the input is relative to.
+  CheckpointSchedule(const OutputParameters& parameters, const std::string& output_directory);
+  ~CheckpointSchedule();
+  CheckpointSchedule(const CheckpointSchedule&) = delete;
+  CheckpointSchedule& operator=(const CheckpointSchedule&) = delete;
+
+  /// The restart file; each replaces the one before.
+  const std::string& path() const { return file; }
+  /// Whether a file is due after a converged step: by the interval, or because the run is told to end. Ranks agree.
+  /// Collective.
+  bool due();
+  /// Whether a SIGTERM has come; what the last due() found on any rank.
+  bool told_to_end() const { return ends; }
+
+private:
+  std::string file;
+  unsigned int every_steps = 0, steps = 0; ///< 0: not by steps
+  double every_seconds = 0.;               ///< 0: not by time
+  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+  bool listens = false, ends = false;
+};
+} // namespace kedge

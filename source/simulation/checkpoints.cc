@@ -1,0 +1,56 @@
+#include <csignal>
+#include <filesystem>
+#include <kedge/base/communication.h>
+#include <kedge/simulation/checkpoints.h>
+#include <sstream>
+
+namespace kedge
+{
+namespace
+{
+volatile std::sig_atomic_t terminated = 0; // a signal handler can reach nothing else
+
+void note_termination(int) { terminated = 1; }
+} // namespace
+
+CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const std::string& output_directory)
+    : file((std::filesystem::path(output_directory) / parameters.checkpoint_directory / "restart.h5").string())
+{
+  if (parameters.checkpoint_every.empty())
+    return;
+  std::istringstream text(parameters.checkpoint_every);
+  double number = 0.;
+  std::string unit;
+  text >> number >> unit;
+  if (unit.empty())
+    every_steps = static_cast<unsigned int>(number);
+  else
+    every_seconds = number * (unit == "h" ? 3600. : unit == "min" ? 60. : 1.);
+  terminated = 0;
+  listens = true;
+  std::signal(SIGTERM, note_termination);
+}
+
+CheckpointSchedule::~CheckpointSchedule()
+{
+  if (listens)
+    std::signal(SIGTERM, SIG_DFL);
+}
+
+bool CheckpointSchedule::due()
+{
+  if (!listens)
+    return false;
+  ++steps;
+  const auto now = std::chrono::steady_clock::now();
+  const bool by_time = every_seconds > 0. && std::chrono::duration<double>(now - last).count() >= every_seconds;
+  ends = max_over_ranks(terminated, MPI_COMM_WORLD) > 0.;
+  const bool result = ends || (every_steps > 0 && steps >= every_steps) || max_over_ranks(by_time, MPI_COMM_WORLD) > 0.;
+  if (result)
+  {
+    steps = 0;
+    last = now;
+  }
+  return result;
+}
+} // namespace kedge
