@@ -96,7 +96,8 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   CLI::App& schema_command = *app.add_subcommand("schema", "Print the JSON Schema of the input, or its manual");
   bool manual = false;
   schema_command.add_flag("--manual", manual, "Print the parameter reference in Markdown instead");
-  schema_command.final_callback([&] { fmt::print("{}\n", manual ? kedge::input_manual() : kedge::input_schema()); });
+  schema_command.final_callback([&]
+                                { fmt::print("{}", manual ? kedge::input_manual() : kedge::input_schema() + "\n"); });
 
   kedge::add_geometry_command(app);
   try

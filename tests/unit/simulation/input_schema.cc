@@ -36,7 +36,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
     {"contact",
      {"friction coefficient", "method", "normal penalty factor", "tangential penalty factor", "penetration tolerance"}},
     {"analysis[]",
-     {"type", "rigid bodies", "load steps", "load", "dt", "final time", "beta", "gamma", "cfl", "damping",
+     {"type", "rigid bodies", "load steps", "load", "dt", "final time", "beta", "gamma", "mass", "cfl", "damping",
       "mass scaling", "boundary conditions", "adaptivity", "rigid body surface placement", "wished in place",
       "rigid body boundary conditions", "boundary track"}},
     {"analysis[].boundary conditions", {"min", "max"}},
