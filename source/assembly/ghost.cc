@@ -40,9 +40,7 @@ void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, cons
           double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
           for (unsigned int b = 0; b < n; ++b)
           {
-            unsigned int position = 0;
-            while (column(begin + position) != faces.nodes(first + b))
-              ++position;
+            const std::size_t position = find_entry(row_begin, column, node, faces.nodes(first + b)) - begin;
             for (int c = 0; c < dim; ++c)
               add_to(row[dim * (c * length + position) + c], weight(f) * J[a * n + b]);
           }

@@ -9,19 +9,6 @@ namespace
 {
 /// The projection is as exact as the increments that follow from it ask for.
 constexpr double projection_tolerance = 1e-12;
-
-/// Position of a column in its row, which holds it.
-KEDGE_FUNCTION std::size_t find_entry(const View<std::size_t*>& row_begin, const View<unsigned int*>& column,
-                                      const unsigned int row, const unsigned int node)
-{
-  std::size_t low = row_begin(row), high = row_begin(row + 1);
-  while (high - low > 1)
-  {
-    const std::size_t middle = (low + high) / 2;
-    (column(middle) <= node ? low : high) = middle;
-  }
-  return low;
-}
 } // namespace
 
 void add_particle_mass(const ParticleArrays& particles, const StencilSet& stencils, const bool lumped,
@@ -107,39 +94,23 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
   const unsigned int dim = stencils.dim;
   Kokkos::parallel_for(
       "particle momentum", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
-        const unsigned int pattern = stencils.pattern_of_particle(p);
-        const unsigned int first = stencils.pattern_node_begin(pattern);
-        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const double* value = &stencils.value(stencils.value_begin(p));
-        for (unsigned int v = 0; v < n; ++v)
+        const ParticleNodes at = nodes_of(stencils, p);
+        for (unsigned int v = 0; v < at.n; ++v)
           for (unsigned int c = 0; c < dim; ++c)
-            add_to(result(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c),
-                   particles.mass(p) * value[v] * quantity(p, c));
+            add_to(result(static_cast<std::size_t>(dim) * at.node[v] + c),
+                   particles.mass(p) * at.value[v] * quantity(p, c));
       });
 }
 
-View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x)
-{
-  const View<double* [3]> result("at particles", stencils.n_particles);
-  const unsigned int dim = stencils.dim;
-  Kokkos::parallel_for(
-      "interpolate", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles), KOKKOS_LAMBDA(const unsigned int p) {
-        const unsigned int pattern = stencils.pattern_of_particle(p);
-        const unsigned int first = stencils.pattern_node_begin(pattern);
-        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const double* value = &stencils.value(stencils.value_begin(p));
-        for (unsigned int v = 0; v < n; ++v)
-          for (unsigned int c = 0; c < dim; ++c)
-            result(p, c) += value[v] * x(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c);
-      });
-  return result;
-}
-
-NodalVector divide_by_mass(const NodalMass& mass, TpetraVector& right_side, System& system)
+void set_mass_matrix(const NodalMass& mass, System& system)
 {
   system.clear_matrix();
   add_mass_matrix(system.graph(), mass, 1., system.values());
   system.finish_matrix();
+}
+
+NodalVector divide_by_mass(TpetraVector& right_side, const System& system)
+{
   system.zero_constrained(right_side);
   TpetraVector solution(system.graph().row_map);
   if (!solve_positive_definite(system.matrix(), right_side, solution, projection_tolerance))
@@ -159,13 +130,14 @@ NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& st
   if (faces.n_faces() > 0)
     add_ghost_mass(faces, graph, motion.mass);
 
+  set_mass_matrix(motion.mass, system);
   const auto project = [&](const View<double* [3]>& quantity)
   {
     const NodalVector momentum = system.make_nodal_vector();
     add_particle_momentum(particles, stencils, quantity, momentum);
     TpetraVector right_side(graph.row_map);
     system.collect(momentum, right_side);
-    return divide_by_mass(motion.mass, right_side, system);
+    return divide_by_mass(right_side, system);
   };
   motion.velocity = project(particles.velocity);
   motion.acceleration = project(particles.acceleration);

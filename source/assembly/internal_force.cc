@@ -79,21 +79,33 @@ void add_weight(const ParticleArrays& particles, const StencilSet& stencils, con
   const Eigen::Matrix<double, dim, 1> acceleration = map;
   Kokkos::parallel_for(
       "weight", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
-        const unsigned int pattern = stencils.pattern_of_particle(p);
-        const unsigned int first = stencils.pattern_node_begin(pattern);
-        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const double* value = &stencils.value(stencils.value_begin(p));
-        for (unsigned int v = 0; v < n; ++v)
+        const ParticleNodes at = nodes_of(stencils, p);
+        for (unsigned int v = 0; v < at.n; ++v)
           for (int c = 0; c < dim; ++c)
-            add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c),
-                   particles.mass(p) * value[v] * acceleration[c]);
+            add_to(force(static_cast<std::size_t>(dim) * at.node[v] + c),
+                   particles.mass(p) * at.value[v] * acceleration[c]);
       });
 }
 
-template <int dim> ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment)
+View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x)
+{
+  const View<double* [3]> result("at particles", stencils.n_particles);
+  const unsigned int dim = stencils.dim;
+  Kokkos::parallel_for(
+      "interpolate", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles), KOKKOS_LAMBDA(const unsigned int p) {
+        const ParticleNodes at = nodes_of(stencils, p);
+        for (unsigned int v = 0; v < at.n; ++v)
+          for (unsigned int c = 0; c < dim; ++c)
+            result(p, c) += at.value[v] * x(static_cast<std::size_t>(dim) * at.node[v] + c);
+      });
+  return result;
+}
+
+template <int dim>
+ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment)
 {
   ParticleIncrements result;
-  result.displacement = View<double* [3]>("displacement", stencils.n_particles);
+  result.displacement = interpolate_to_particles(stencils, increment);
   result.deformation_gradient = View<double* [9]>("dF", stencils.n_particles);
   Kokkos::parallel_for(
       "interpolate increments", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
@@ -102,16 +114,6 @@ template <int dim> ParticleIncrements interpolate_increments(const StencilSet& s
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j)
             result.deformation_gradient(p, 3 * i + j) = dF(i, j);
-        const unsigned int pattern = stencils.pattern_of_particle(p);
-        const unsigned int first = stencils.pattern_node_begin(pattern);
-        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const double* value = &stencils.value(stencils.value_begin(p));
-        double u[dim] = {};
-        for (unsigned int v = 0; v < n; ++v)
-          for (int c = 0; c < dim; ++c)
-            u[c] += value[v] * increment(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c);
-        for (int c = 0; c < dim; ++c)
-          result.displacement(p, c) = u[c];
       });
   return result;
 }

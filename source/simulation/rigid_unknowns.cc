@@ -129,10 +129,8 @@ Border RigidUnknowns::border(const RigidBalance& balance, const ContactCoupling&
   return border;
 }
 
-double rigid_measure(const RigidSystems& bodies, const Eigen::VectorXd& residual, const double weight,
-                     const double lever)
+double RigidUnknowns::measure(const Eigen::VectorXd& residual, const double weight, const double lever) const
 {
-  const std::vector<FreeDof> dofs = free_dofs(bodies);
   double sum = 0.;
   for (std::size_t i = 0; i < dofs.size(); ++i)
   {

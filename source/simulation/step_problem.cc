@@ -143,8 +143,7 @@ template <int dim> void StepProblem<dim>::weigh_bodies()
 template <int dim> RigidStep StepProblem<dim>::rigid_step() const
 {
   RigidStep step;
-  for (unsigned int d = 0; d < dim; ++d)
-    step.gravity[dim == 2 && d == 1 ? 2 : d] = load.gravity_factor * input.gravity[d];
+  step.gravity = load.gravity_factor * to_world_axes(input.gravity, dim);
   step.fraction = load.step_fraction;
   step.beta = stage.stepping.beta;
   step.gamma = stage.stepping.gamma;
@@ -189,7 +188,8 @@ template <int dim> void StepProblem<dim>::find_first_acceleration()
   increment->putScalar(0.);
   residual(*increment, force);
   force.scale(-1.);
-  motion.acceleration = divide_by_mass(motion.mass, *rigid_unknowns->nodal(force), *system);
+  set_mass_matrix(motion.mass, *system); // after a cut the matrix is Newton's
+  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), *system);
   load = first;
 }
 
@@ -255,7 +255,7 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
     return soil;
   balance = rigid_balance(bodies, rigid_step(), body_increments, body_loads());
   rigid_unknowns->set_rigid(r, balance.residual);
-  return std::max(soil, rigid_measure(bodies, balance.residual, body_weight, body_lever));
+  return std::max(soil, rigid_unknowns->measure(balance.residual, body_weight, body_lever));
 }
 
 template <int dim>

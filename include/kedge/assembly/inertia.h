@@ -29,23 +29,22 @@ void add_mass_matrix(const NodeGraph& graph, const NodalMass& mass, double facto
 void add_particle_momentum(const ParticleArrays& particles, const StencilSet& stencils,
                            const View<double* [3]>& quantity, const NodalVector& result);
 
-/// Sum over nodes of S_v x_v at every particle.
-View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x);
-
 /// How the nodes move at the start of a step, and their mass.
 struct NodalMotion
 {
   NodalMass mass;
   NodalVector velocity, acceleration; ///< m/s, m/s2
-
-  bool empty() const { return mass.extent(0) == 0; }
 };
 
-/// M^-1 b on all local nodes, constrained dofs zero (also in b). Uses the matrix of the system, which is free again
-/// afterwards. Throws SolverError where the mass matrix cannot be solved. Collective.
-NodalVector divide_by_mass(const NodalMass& mass, TpetraVector& right_side, System& system);
+/// Makes M the matrix of the system. Collective.
+void set_mass_matrix(const NodalMass& mass, System& system);
 
-/// Projects the particles' velocity and acceleration: M v = sum of m S v_p. Like divide_by_mass otherwise.
+/// M^-1 b on all local nodes, constrained dofs zero (also in b), while M is the matrix of the system. Throws
+/// SolverError where it cannot be solved. Collective.
+NodalVector divide_by_mass(TpetraVector& right_side, const System& system);
+
+/// Projects the particles' velocity and acceleration: M v = sum of m S v_p. Leaves M as the matrix of the system.
+/// Throws SolverError where it cannot be solved. Collective.
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
                            bool lumped, System& system);
 

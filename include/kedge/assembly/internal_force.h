@@ -34,6 +34,9 @@ template <int dim>
 void add_weight(const ParticleArrays& particles, const StencilSet& stencils, const std::array<double, 3>& gravity,
                 double factor, const NodalVector& force);
 
+/// Sum over nodes of S_v x_v at every particle.
+View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x);
+
 /// Displacement and dF of every particle for given nodal increments.
 template <int dim> ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment);
 } // namespace kedge

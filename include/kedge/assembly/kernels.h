@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <kedge/assembly/node_graph.h>
 #include <kedge/base/kokkos.h>
 #include <kedge/basis/stencil.h>
 #include <type_traits>
@@ -19,6 +20,35 @@ KEDGE_FUNCTION void add_to(double& target, const double value)
   }
 #endif
   Kokkos::atomic_add(&target, value);
+}
+
+/// The nodes that particle p sees and their S_v(p).
+struct ParticleNodes
+{
+  unsigned int n;
+  const unsigned int* node;
+  const double* value;
+};
+
+KEDGE_FUNCTION ParticleNodes nodes_of(const StencilSet& stencils, const unsigned int p)
+{
+  const unsigned int pattern = stencils.pattern_of_particle(p);
+  const unsigned int first = stencils.pattern_node_begin(pattern);
+  return {stencils.pattern_node_begin(pattern + 1) - first, &stencils.pattern_nodes(first),
+          &stencils.value(stencils.value_begin(p))};
+}
+
+/// Entry of a column in its row, which holds it.
+KEDGE_FUNCTION std::size_t find_entry(const View<std::size_t*>& row_begin, const View<unsigned int*>& column,
+                                      const unsigned int row, const unsigned int node)
+{
+  std::size_t low = row_begin(row), high = row_begin(row + 1);
+  while (high - low > 1)
+  {
+    const std::size_t middle = (low + high) / 2;
+    (column(middle) <= node ? low : high) = middle;
+  }
+  return low;
 }
 
 /// dF = 1 + sum over nodes of d_v (x) grad S_v of particle p.

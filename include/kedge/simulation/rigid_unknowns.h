@@ -31,6 +31,10 @@ public:
   Eigen::VectorXd pick(const std::vector<Vector6>& increments) const;
   std::vector<Vector6> fill(std::vector<Vector6> increments, const Eigen::VectorXd& y) const;
 
+  /// Norm of the residuals of the free dofs over the weight (N) of the bodies; moments count over their weight times
+  /// `lever` (m).
+  double measure(const Eigen::VectorXd& residual, double weight, double lever) const;
+
   /// How y couples with u and with itself at the present increments: derivatives of the residuals (internal forces less
   /// contact forces; the bodies' balance). Collective.
   Border border(const RigidBalance& balance, const ContactCoupling& coupling, const PointForces& points,
@@ -42,8 +46,4 @@ private:
   std::vector<FreeDof> dofs;
   Teuchos::RCP<const TpetraMap> nodal_map, all_map;
 };
-
-/// Norm of the residuals of the free dofs over the weight (N) of the bodies; moments count over their weight times
-/// `lever` (m).
-double rigid_measure(const RigidSystems& bodies, const Eigen::VectorXd& residual, double weight, double lever);
 } // namespace kedge
