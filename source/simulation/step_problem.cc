@@ -116,11 +116,12 @@ template <int dim> void StepProblem<dim>::find_contact_pairs()
   const auto box = world_bounds(bodies);
   const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
   const RigidStep whole = rigid_step();
-  const std::vector<Vector6> expected = start_increments(bodies, whole);
-  for (std::size_t i = 0; i < expected.size(); ++i)
+  for (const RigidPoint& point : bodies.points)
   {
-    double way = expected[i].head<3>().norm() + expected[i].tail<3>().norm() * lever;
-    if (bodies.points[i].n_free_dofs() > 0) // it may speed up
+    const bool moves_freely = point.n_free_dofs() > 0;
+    const Vector6 expected = point.prescribed_increment(1.) + (moves_freely ? whole.dt : 0.) * point.velocity;
+    double way = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
+    if (moves_freely) // it may speed up
       way = 2. * way + whole.gravity.norm() * whole.dt * whole.dt;
     reach = std::max(reach, way);
   }
