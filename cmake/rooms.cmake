@@ -10,6 +10,11 @@ add_library(deal.II INTERFACE)
 target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
 target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} Trilinos)
 
+# SuiteSparse of Debian 12 brings no CMake files.
+add_library(UMFPACK INTERFACE)
+target_include_directories(UMFPACK SYSTEM INTERFACE ${UMFPACK_INCLUDE_DIR})
+target_link_libraries(UMFPACK INTERFACE ${UMFPACK_LIBRARY})
+
 add_library(kedge_options INTERFACE)
 target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
 target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter

@@ -1,12 +1,10 @@
-#include <Amesos2.hpp>
 #include <BelosBlockGmresSolMgr.hpp>
 #include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
 #include <Eigen/LU>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
-#include <Teuchos_DefaultMpiComm.hpp>
-#include <Tpetra_RowMatrixTransposer.hpp>
+#include <kedge/solvers/direct.h>
 #include <kedge/solvers/linear_solver.h>
 #include <kedge/solvers/near_matrix.h>
 
@@ -18,7 +16,7 @@ using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNod
 using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
-constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
+constexpr std::size_t always_direct_below = 6000; // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
 constexpr double almost_zero =
     1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
@@ -50,54 +48,6 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
   smoother.set("relaxation: sweeps", strong ? 4 : 2);
   return list;
-}
-
-/// False where the matrix is singular. All on one process.
-bool factorise_and_solve(const Teuchos::RCP<const TpetraMatrix>& matrix, const MultiVector& b, MultiVector& x)
-{
-  const auto solver = Amesos2::create<TpetraMatrix, MultiVector>("KLU2", matrix, Teuchos::rcpFromRef<MultiVector>(x),
-                                                                 Teuchos::rcpFromRef<const MultiVector>(b));
-  try
-  {
-    solver->symbolicFactorization().numericFactorization().solve();
-  }
-  catch (const std::runtime_error&) // KLU2's way of saying so
-  {
-    return false;
-  }
-  std::vector<double> norms(x.getNumVectors());
-  x.norm2(Teuchos::arrayViewFromVector(norms));
-  return std::all_of(norms.begin(), norms.end(), [](const double norm) { return std::isfinite(norm); });
-}
-
-/// Over all ranks.
-std::size_t find_longest_row(const TpetraMatrix& matrix)
-{
-  const auto graph = matrix.getLocalMatrixHost().graph;
-  unsigned long long here = 0, longest = 0;
-  for (LocalOrdinal row = 0; row < static_cast<LocalOrdinal>(graph.numRows()); ++row)
-    here = std::max<unsigned long long>(here, graph.row_map(row + 1) - graph.row_map(row));
-  Teuchos::reduceAll(*matrix.getComm(), Teuchos::REDUCE_MAX, here, Teuchos::outArg(longest));
-  return longest;
-}
-
-/// A copy on MPI_COMM_SELF of a matrix whose rows all lie on this rank; its global numbers are 0, 1, ...
-Teuchos::RCP<TpetraMatrix> copy_to_self(const TpetraMatrix& gathered, const std::size_t longest_row)
-{
-  const std::size_t n = gathered.getGlobalNumRows();
-  const auto self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
-  const auto map = Teuchos::rcp(new TpetraMap(n, 0, self));
-  auto copy = Teuchos::rcp(new TpetraMatrix(map, map, longest_row));
-  for (std::size_t row = 0; row < n; ++row)
-  {
-    std::size_t length = gathered.getNumEntriesInGlobalRow(row);
-    TpetraMatrix::nonconst_global_inds_host_view_type columns("columns", length);
-    TpetraMatrix::nonconst_values_host_view_type values("values", length);
-    gathered.getGlobalRowCopy(row, columns, values, length);
-    copy->insertGlobalValues(row, static_cast<LocalOrdinal>(length), values.data(), columns.data());
-  }
-  copy->fillComplete();
-  return copy;
 }
 
 /// Division by the diagonal of a matrix.
@@ -208,25 +158,19 @@ struct LinearSolver::Implementation
     return !hierarchy.is_null();
   }
 
-  /// Solves A x = b for several right sides.
-  bool solve_all(const MultiVector& b, MultiVector& x) const
-  {
-    return matrix->getComm()->getSize() == 1 ? factorise_and_solve(matrix, b, x) : solve_on_first_rank(b, x);
-  }
-
   /// With a border: x = A^-1 b - Z y with Z = A^-1 C, (R - B^T Z) y = c - B^T A^-1 b.
   LinearReport solve_direct(const TpetraVector& b, const Eigen::VectorXd& c, const Border& border, TpetraVector& x,
                             Eigen::VectorXd& y) const
   {
     LinearReport report;
-    report.method = "KLU2";
+    report.method = "UMFPACK";
     report.iterations = 1;
     const std::size_t n = c.size();
     MultiVector right_sides(b.getMap(), n + 1), solutions(b.getMap(), n + 1);
     Tpetra::deep_copy(*right_sides.getVectorNonConst(0), b);
     for (std::size_t i = 0; i < n; ++i)
       Tpetra::deep_copy(*right_sides.getVectorNonConst(i + 1), *border.columns->getVector(i));
-    report.converged = solve_all(right_sides, solutions);
+    report.converged = solve_directly(*matrix, right_sides, solutions);
     Tpetra::deep_copy(x, *solutions.getVector(0));
     if (n == 0 || !report.converged)
       return report;
@@ -238,35 +182,6 @@ struct LinearSolver::Implementation
       x.update(-y[i], *solutions.getVector(i + 1), 1.);
     report.converged = y.allFinite();
     return report;
-  }
-
-  /// Collects the system on rank 0, for KLU2 as above.
-  bool solve_on_first_rank(const MultiVector& b, MultiVector& x) const
-  {
-    const auto communicator = matrix->getComm();
-    const std::size_t n = matrix->getGlobalNumRows(), n_sides = b.getNumVectors();
-    const bool first = communicator->getRank() == 0;
-    const auto map = Teuchos::rcp(new TpetraMap(n, first ? n : 0, 0, communicator));
-    const TpetraImport to_first(matrix->getRowMap(), map);
-    const std::size_t longest_row = find_longest_row(*matrix);
-    TpetraMatrix gathered(map, map, longest_row);
-    gathered.doImport(*matrix, to_first, Tpetra::INSERT);
-    MultiVector gathered_b(map, n_sides), gathered_x(map, n_sides);
-    gathered_b.doImport(b, to_first, Tpetra::INSERT);
-    int solved = 1;
-    if (first)
-    {
-      const auto local = copy_to_self(gathered, longest_row);
-      MultiVector local_b(local->getRowMap(), n_sides), local_x(local->getRowMap(), n_sides);
-      Kokkos::deep_copy(local_b.getLocalViewHost(Tpetra::Access::OverwriteAll),
-                        gathered_b.getLocalViewHost(Tpetra::Access::ReadOnly));
-      solved = factorise_and_solve(local, local_b, local_x);
-      Kokkos::deep_copy(gathered_x.getLocalViewHost(Tpetra::Access::OverwriteAll),
-                        local_x.getLocalViewHost(Tpetra::Access::ReadOnly));
-    }
-    Teuchos::broadcast(*communicator, 0, &solved);
-    x.doExport(gathered_x, to_first, Tpetra::INSERT);
-    return solved != 0;
   }
 
   LinearReport solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance,

@@ -18,7 +18,7 @@ struct LinearReport
 };
 
 /// Solves A x = b for general (unsymmetric) matrices with `block_size` equations per node. The multigrid hierarchy
-/// (MueLu, smoothed aggregation) and the sparse factorisation (Amesos2 KLU2) live behind this class.
+/// (MueLu, smoothed aggregation) and the sparse factorisation (UMFPACK) live behind this class.
 class LinearSolver
 {
 public:
