@@ -44,6 +44,16 @@ std::vector<Vector6> start_increments(const RigidSystems& systems, const RigidSt
   return increments;
 }
 
+std::vector<Vector6> predicted_increments(const RigidSystems& systems, const RigidStep& step)
+{
+  std::vector<Vector6> increments = start_increments(systems, step);
+  for (std::size_t i = 0; i < systems.points.size(); ++i)
+    for (unsigned int dof = 0; dof < 6; ++dof)
+      if (systems.points[i].is_free(dof))
+        increments[i][dof] = step.fraction * systems.points[i].last_increment[dof];
+  return increments;
+}
+
 EndOfStep end_of_step(const RigidPoint& point, const RigidStep& step, const Vector6& increment)
 {
   EndOfStep end{Vector6::Zero(), Vector6::Zero(), Vector6::Zero(), Vector6::Zero(), Matrix6::Zero()};
@@ -90,6 +100,7 @@ void commit_increments(RigidSystems& systems, const RigidStep& step, const std::
     point.velocity = end.velocity;
     point.acceleration = end.acceleration;
     point.pose = point.pose.moved(increments[i]);
+    point.last_increment = increments[i] / step.fraction;
   }
 }
 } // namespace kedge

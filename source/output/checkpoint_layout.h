@@ -7,13 +7,14 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of what the file holds.
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields
 template <int dim> constexpr unsigned int leaf_width = dim + 2;                // level, index, number of particles
 template <int dim> constexpr unsigned int node_width = 2 * dim;                // position, increment
-constexpr unsigned int body_width = 3 + 4 + 6 + 6; // position, rotation (x y z w), velocity, acceleration
+constexpr unsigned int body_width =
+    3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
 constexpr unsigned int contact_key_width = 3, contact_width = 4;
 
 /// What the text "version" says.

@@ -176,6 +176,7 @@ void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
     };
     take(point.pose.position);
     take(point.pose.rotation.coeffs());
+    take(point.last_increment);
     take(point.velocity);
     take(point.acceleration);
   }

@@ -83,6 +83,7 @@ void write_bodies(const RigidSystems& bodies, const bool root, Hdf5Writer& file)
       const auto append = [&rows](const auto& x) { rows.insert(rows.end(), x.data(), x.data() + x.size()); };
       append(point.pose.position);
       append(point.pose.rotation.coeffs());
+      append(point.last_increment);
       append(point.velocity);
       append(point.acceleration);
     }

@@ -196,6 +196,8 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
   enter_stage(number);
   prediction.clear();
+  for (RigidPoint& point : bodies.points)
+    point.last_increment.setZero();
   if (stage->rigid_bodies && stage->surface_placement)
     place_on_soil<dim>(bodies, particles, MPI_COMM_WORLD);
   log.begin_stage(stage->stepping, bodies);

@@ -197,8 +197,7 @@ template <int dim> void StepProblem<dim>::find_first_acceleration()
 template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
 {
   increment->putScalar(0.);
-  const Eigen::VectorXd y = rigid_unknowns->pick(start_increments(bodies, rigid_step()));
-  rigid_unknowns->set_rigid(*increment, y);
+  rigid_unknowns->set_rigid(*increment, rigid_unknowns->pick(start_increments(bodies, rigid_step())));
   if (prediction.empty())
     return;
   TpetraVector guess(increment->getMap()), r(increment->getMap());
@@ -209,7 +208,7 @@ template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton
         view(dim * v + d, 0) = load.step_fraction * prediction[dim * nodes.mesh_node[v] + d];
   }
   system->zero_constrained(*rigid_unknowns->nodal(guess));
-  rigid_unknowns->set_rigid(guess, y);
+  rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(bodies, rigid_step())));
   const double at_rest = newton.residual(*increment, r);
   if (newton.residual(guess, r) < at_rest)
     Tpetra::deep_copy(*increment, guess);

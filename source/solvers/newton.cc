@@ -11,6 +11,8 @@ constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 8;
 constexpr double slack = 0.7;        // share of the work along a step that may remain
 constexpr double growth_limit = 10.; // of the residual in a step accepted for its work
+constexpr unsigned int patience = 3; // iterations without progress that count as a cycle
+constexpr double progress = 0.9;     // the best residual falls at least by this factor, or nothing is gained
 constexpr double hopeless = 1e8;     // growth of the residual over its start that no further iteration repairs
 
 /// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, and no tighter than what the target needs.
@@ -60,6 +62,20 @@ template <typename Evaluate> TrialStep search_line(const Evaluate& at, const Tri
   return accepted(now) || now.step == best.step ? now : at(best.step);
 }
 
+/// For iterates that go round in a circle, as a few points that stick and slip or yield in turns make them: the best of
+/// ever shorter steps. The residual norm falls for short ones, and the kinks are met one by one.
+template <typename Evaluate> TrialStep shorten_step(const Evaluate& at, const TrialStep& full, const double measure)
+{
+  TrialStep now = full, best = full;
+  for (unsigned int trial = 0; trial < max_trials && !(best.measure < measure && now.measure >= best.measure); ++trial)
+  {
+    now = at(0.5 * now.step);
+    if (now.measure < best.measure || !std::isfinite(best.measure))
+      best = now;
+  }
+  return now.step == best.step ? now : at(best.step);
+}
+
 /// Where the tangent is so unsymmetric that work says nothing: the longest step without a new highest residual.
 template <typename Evaluate> TrialStep halve_step(const Evaluate& at, const TrialStep& full, const double highest)
 {
@@ -76,7 +92,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
   double measure = problem.residual(x, residual);
   report.residuals.push_back(measure);
-  double linear_tolerance = loosest;
+  double linear_tolerance = loosest, best = measure;
+  unsigned int without_progress = 0;
   while (!(measure < parameters.tolerance))
   {
     if (!std::isfinite(measure))
@@ -116,11 +133,15 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
     TrialStep step = at(1.);
     if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
-      step = work > 0. ? search_line(at, step, {0., measure, work}) : halve_step(at, step, highest);
+      step = without_progress >= patience ? shorten_step(at, step, measure)
+             : work > 0.                  ? search_line(at, step, {0., measure, work})
+                                          : halve_step(at, step, highest);
     measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);
     report.residuals.push_back(measure);
+    without_progress = measure < progress * best ? 0 : without_progress + 1;
+    best = std::min(best, measure);
   }
   report.converged = true;
   return report;

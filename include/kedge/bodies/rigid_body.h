@@ -59,6 +59,7 @@ struct RigidPoint
   RigidPoint(const PointParameters& parameters, const std::array<double, 3>& offset, unsigned int dim);
 
   Pose pose;
+  Vector6 last_increment = Vector6::Zero();          ///< of a requested step as the last one had it, m, rad
   Vector6 velocity = Vector6::Zero();                ///< m/s, rad/s, world axes
   Vector6 acceleration = Vector6::Zero();            ///< m/s2, rad/s2, world axes
   double mass = 0.;                                  ///< kg

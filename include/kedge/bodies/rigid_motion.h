@@ -31,6 +31,10 @@ Vector6 momentum(const RigidPoint& point);
 /// iterations.
 std::vector<Vector6> start_increments(const RigidSystems& systems, const RigidStep& step);
 
+/// The same with the free dofs moving on as in the last step, which is how soil that is predicted to move on expects
+/// to meet them.
+std::vector<Vector6> predicted_increments(const RigidSystems& systems, const RigidStep& step);
+
 /// Velocity and acceleration at the end of a step, world axes. Dofs that are not free take the mean velocity of the
 /// step and change it evenly: Newmark's formulas would answer a prescribed motion with a velocity that swings about it.
 struct EndOfStep

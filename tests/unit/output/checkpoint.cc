@@ -76,6 +76,7 @@ template <int dim> struct Interrupted : test::SoilBlock<dim>
       {
         point.velocity[d] = noise(d, 10 + i);
         point.acceleration[d] = noise(d, 20 + i);
+        point.last_increment[d] = noise(d, 30 + i);
       }
     }
     for (const auto& x : this->mesh.leaves().node_position)
@@ -216,6 +217,7 @@ TYPED_TEST(Checkpoint, StateIsTheSameOnAnyNumbersOfRanks)
         const RigidPoint &point = restored.bodies.points[i], &of_run = run.bodies.points[i];
         EXPECT_EQ(point.pose.position, of_run.pose.position);
         EXPECT_EQ(point.pose.rotation.coeffs(), of_run.pose.rotation.coeffs());
+        EXPECT_EQ(point.last_increment, of_run.last_increment);
         EXPECT_EQ(point.velocity, of_run.velocity);
         EXPECT_EQ(point.acceleration, of_run.acceleration);
       }
