@@ -122,9 +122,10 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         pair.point = point;
         pair.start = to_world<dim>(x);
         pair.stiffness = stiffness;
+        pair.size = std::pow(particles.initial_volume[p], 1. / dim);
         if (const auto entry = history.find(pair.key); entry != history.end())
           pair.committed = entry->second;
-        pair.trial = pair.committed;
+        pair.trial = pair.augmented = pair.committed;
         pairs.push_back(pair);
       }
     }
@@ -142,10 +143,33 @@ template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bo
     if (closest && closest->gap < 0.)
     {
       pair.committed.reference_gap = closest->gap;
-      pair.trial = pair.committed;
+      pair.trial = pair.augmented = pair.committed;
       history[pair.key] = pair.committed;
     }
   }
+}
+
+template <int dim> void Contact<dim>::reset_multipliers()
+{
+  for (Pair& pair : pairs)
+    pair.augmented = pair.committed;
+}
+
+template <int dim> void Contact<dim>::augment()
+{
+  for (Pair& pair : pairs)
+    pair.augmented = pair.proposed;
+}
+
+template <int dim> double Contact<dim>::excess() const
+{
+  double worst = 0.;
+  if (parameters.method == ContactMethod::augmented_lagrangian)
+    for (const Pair& pair : pairs)
+      if (pair.active)
+        worst = std::max(worst, std::abs(pair.gap - pair.committed.reference_gap) /
+                                    (parameters.penetration_tolerance * pair.size));
+  return max_over_ranks(worst, communicator);
 }
 
 template <int dim>
@@ -178,7 +202,11 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     pair.force.setZero();
     pair.gap = std::numeric_limits<double>::infinity();
     pair.trial = History();
-    const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), 0.);
+    pair.proposed = pair.augmented;
+    pair.proposed.multiplier = 0.;
+    pair.proposed.tangential.setZero();
+    const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
+    const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), held_off);
     if (!closest)
       continue;
     pair.gap = closest->gap;
@@ -192,15 +220,20 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
     at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
     at.slip = now.direction_to_world(now.to_body(pair.position) - before.to_body(pair.start)); // as the body sees it
-    const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.committed.tangential));
+    const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
 
-    const ContactResponse response = respond_to_contact(at, pair.stiffness, previous);
+    const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier);
     pair.active = response.active;
     pair.force = response.force;
     pair.tangent = response.tangent;
     pair.trial.tangential = response.tangential;
     if (!response.active)
       continue;
+    if (parameters.method == ContactMethod::augmented_lagrangian)
+    {
+      pair.trial.multiplier = pair.proposed.multiplier = response.force.dot(at.normal);
+      pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
+    }
     touching.push_back({pair.position, pair.force, pair.key.surface});
     for (unsigned int i = 0; i < dim; ++i)
     {
@@ -259,7 +292,7 @@ template <int dim> void Contact<dim>::follow_particles(const std::vector<long lo
 template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)
 {
   const Eigen::Vector3d& t = state.tangential;
-  return {key.particle, key.corner, key.surface, {t[0], t[1], t[2]}, state.reference_gap};
+  return {key.particle, key.corner, key.surface, {t[0], t[1], t[2]}, state.reference_gap, state.multiplier};
 }
 
 template <int dim> void Contact<dim>::enter(const ContactRecord& record)
@@ -267,6 +300,7 @@ template <int dim> void Contact<dim>::enter(const ContactRecord& record)
   History& state = history[{record.particle, record.corner, record.surface}];
   state.tangential = Eigen::Map<const Eigen::Vector3d>(record.tangential);
   state.reference_gap = record.reference_gap;
+  state.multiplier = record.multiplier;
 }
 
 template <int dim> std::vector<ContactRecord> Contact<dim>::export_history() const

@@ -45,6 +45,7 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
             const double share = share_of_corner<dim>(from, octant, corner);
             known += share;
             inherited.tangential += area_share * share * entry->second.tangential;
+            inherited.multiplier += area_share * share * entry->second.multiplier;
             inherited.reference_gap += share * entry->second.reference_gap;
           }
           if (known == 0.)

@@ -23,8 +23,6 @@ void refuse_unavailable_features(const Input& input)
 {
   if (input.dimension == 2)
     refuse("dimension", "plane strain", "set it to 3 and model a slice one cell thick between rollers");
-  if (input.contact.method == ContactMethod::augmented_lagrangian)
-    refuse("contact.method", "the augmented Lagrangian method", "use \"penalty\"");
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     refuse_in_stage(input.stages[i], entry("analysis", i));
 }

@@ -5,6 +5,22 @@
 
 namespace kedge
 {
+namespace
+{
+constexpr unsigned int max_augmentations = 20;
+
+/// One solution after another of the same step.
+void append(NewtonReport& report, const NewtonReport& next)
+{
+  report.converged = next.converged;
+  report.failure = next.failure;
+  report.iterations += next.iterations;
+  report.krylov_iterations += next.krylov_iterations;
+  report.escalations += next.escalations;
+  report.residuals.insert(report.residuals.end(), next.residuals.begin(), next.residuals.end());
+}
+} // namespace
+
 template <int dim>
 StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const BackgroundMesh<dim>& mesh_,
                               ParticleSet<dim>& particles_, const Materials& materials_, const RigidSystems& bodies_,
@@ -174,8 +190,21 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const Load& load_, const
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
   { return solve_linearised(x, r, dx, tolerance); };
+  contact.reset_multipliers();
   start_from(problem, prediction);
-  return solve_newton(problem, *increment, input.solver);
+  NewtonReport report = solve_newton(problem, *increment, input.solver);
+  for (unsigned int round = 0; report.converged && contact.excess() > 1.; ++round)
+  {
+    if (round == max_augmentations)
+    {
+      report.converged = false;
+      report.failure = "contacts still penetrate after " + std::to_string(round) + " rounds of multipliers";
+      break;
+    }
+    contact.augment();
+    append(report, solve_newton(problem, *increment, input.solver));
+  }
+  return report;
 }
 
 /// From the forces that nothing balances as the stage begins: a block that is let go falls from its first step on.

@@ -46,11 +46,14 @@ struct ContactRecord
   std::uint32_t corner, surface;
   double tangential[3]; ///< N, world axes
   double reference_gap; ///< m, <= 0
+  double multiplier;    ///< of the normal force, N; 0 with penalties alone
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
-/// by penalties in the normal and tangential direction. Within a step the pairs are fixed; their committed history is
-/// kept per (particle, corner, surface) and follows particles from rank to rank.
+/// by penalties in the normal and tangential direction. With multipliers the forces that a solution has found are where
+/// the springs of the next one start, until corners neither penetrate nor hold off (Uzawa's iteration; Simo & Laursen
+/// 1992, doi 10.1016/0045-7949(92)90540-G). Within a step the pairs are fixed; their committed history is kept per
+/// (particle, corner, surface) and follows particles from rank to rank.
 template <int dim> class Contact
 {
 public:
@@ -63,6 +66,14 @@ public:
 
   /// Takes the penetration of every pair as its reference, for bodies that are buried from the start.
   void take_reference_gaps(const RigidSystems& bodies);
+
+  /// Goes back to the multipliers that the step started with.
+  void reset_multipliers();
+  /// Takes the forces of the last evaluation as multipliers.
+  void augment();
+  /// How far corners of the last evaluation that press are from touching, over the tolerance; below 1 augment() has
+  /// nothing left to do, as always without multipliers. Collective.
+  double excess() const;
 
   /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes
   /// trial history. `committed` are the bodies at the start of the step.
@@ -82,7 +93,7 @@ public:
   void commit();
 
   /// Gives the history of split particles to their children. Tractions are interpolated between the parent's corners,
-  /// where corners without history carry none, so that the sum of the tangential forces is kept. Reference gaps are
+  /// where corners without history carry none, so that the sum of the forces is kept. Reference gaps are
   /// interpolated between the corners that have one alone: too deep a reference pushes nothing and finds the true gap
   /// in the next step, one that is not deep enough would push at once. Call after split_particles and, with several
   /// ranks, before follow_particles: a split is known to the rank that held the parent.
@@ -124,6 +135,7 @@ private:
   {
     Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
     double reference_gap = 0.;                            ///< m, <= 0
+    double multiplier = 0.;                               ///< of the normal force, N
   };
   static ContactRecord to_record(const Key& key, const History& state);
   void enter(const ContactRecord& record);
@@ -134,7 +146,9 @@ private:
     unsigned int point;    ///< of PointForces
     Eigen::Vector3d start; ///< corner at the start of the step, m
     ContactStiffness stiffness;
+    double size = 0.; ///< of the particle, m
     History committed, trial;
+    History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.; ///< signed distance in the last evaluation
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();

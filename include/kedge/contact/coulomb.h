@@ -1,4 +1,5 @@
-// The law of one contact point: penalty in the normal direction, elastic stick and Coulomb slip across it.
+// The law of one contact point: penalty in the normal direction, elastic stick and Coulomb slip across it, both from
+// where multipliers have brought them.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,7 +17,7 @@ struct ContactStiffness
 /// Where a soil point is relative to a body, and how it got there.
 struct ContactGeometry
 {
-  double gap;                      ///< signed distance less the reference gap, m; negative: in contact
+  double gap;                      ///< signed distance less the reference gap, m; negative: penetration
   double distance;                 ///< signed distance itself, m
   Eigen::Vector3d normal;          ///< unit, out of the body
   Eigen::Matrix3d normal_subspace; ///< 1 - the directions along which the closest point follows: n n^T on a face,
@@ -34,25 +35,26 @@ struct ContactResponse
 };
 
 /// Return mapping on the tangential force (Wriggers 2006, Computational Contact Mechanics, ch. 5; Bird et al. 2025,
-/// arXiv:2412.01565). `previous` is the tangential force at the start of the step, already turned with the body.
+/// arXiv:2412.01565). `previous` is the tangential force at the start of the step, already turned with the body, or its
+/// multiplier; `multiplier` (N) is that of the normal force: the pressure of a corner that just touches.
 KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, const ContactStiffness& stiffness,
-                                                  const Eigen::Vector3d& previous)
+                                                  const Eigen::Vector3d& previous, const double multiplier = 0.)
 {
   ContactResponse response;
-  if (!(at.gap < 0.))
+  const double pressure = multiplier - stiffness.normal * at.gap;
+  if (!(pressure > 0.))
     return response;
   response.active = true;
   const Eigen::Vector3d& n = at.normal;
   const Eigen::Matrix3d across = n * n.transpose();
   const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - across;
 
-  const double pressure = -stiffness.normal * at.gap;
   response.force = pressure * n;
-  // gap n changes along n, and n turns where the closest point sits on an edge or vertex
+  // the gap changes along n, and n turns where the closest point sits on an edge or vertex
   Eigen::Matrix3d turning = Eigen::Matrix3d::Zero(); // d n / d soil point
   if (std::fabs(at.distance) > 1e-14)
     turning = (at.normal_subspace - across) * (1. / at.distance);
-  response.tangent = -stiffness.normal * (across + at.gap * turning);
+  response.tangent = pressure * turning - stiffness.normal * across;
 
   if (stiffness.friction == 0.)
     return response;

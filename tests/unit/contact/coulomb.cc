@@ -64,7 +64,8 @@ public:
 
   /// Largest difference between the tangent and differences of the force, over the normal stiffness; points whose
   /// neighbours stick where they slip do not count.
-  double worst_tangent(const double friction, const double reference, const bool want_sliding)
+  double worst_tangent(const double friction, const double reference, const bool want_sliding,
+                       const double multiplier = 0.)
   {
     const ContactStiffness stiffness{1e6, 5e5, friction};
     double worst = 0.;
@@ -74,7 +75,7 @@ public:
       const Vector3d x = random_point(), start = x + random_vector(5e-3);
       const Vector3d previous = random_vector(1e3);
       const auto respond = [&](const Vector3d& y)
-      { return respond_to_contact(GetParam().at(y, start, reference), stiffness, previous); };
+      { return respond_to_contact(GetParam().at(y, start, reference), stiffness, previous, multiplier); };
       const double step = 1e-5 * x.norm();
       const ContactResponse response = respond(x);
       if (!response.active || response.sliding != want_sliding || GetParam().at(x, start, 0.).distance > -1e-3)
@@ -109,6 +110,12 @@ INSTANTIATE_TEST_SUITE_P(, Coulomb, testing::Values(Body{"face", 1}, Body{"edge"
 TEST_P(Coulomb, TangentWithoutFriction) { EXPECT_LT(worst_tangent(0., 0., false), 1e-6); }
 
 TEST_P(Coulomb, TangentWithAReferenceGap) { EXPECT_LT(worst_tangent(0., -5e-4, false), 1e-6); }
+
+TEST_P(Coulomb, TangentWithAMultiplier)
+{
+  EXPECT_LT(worst_tangent(0., 0., false, 2e3), 1e-6);
+  EXPECT_LT(worst_tangent(0.3, -5e-4, true, 2e3), 1e-6);
+}
 
 TEST_P(Coulomb, TangentInStick) { EXPECT_LT(worst_tangent(10., 0., false), 1e-6); }
 
@@ -187,4 +194,16 @@ TEST(CoulombLaw, AReferenceGapMovesTheSurface)
   EXPECT_NEAR(
       respond_to_contact(face.at({0., 0., -1.1e-2}, {0., 0., 0.}, -1e-2), {1e6, 5e5, 0.}, Vector3d::Zero()).force[2],
       1e3, 1e-9);
+}
+
+TEST(ContactResponse, AMultiplierPressesWhereTheCornerJustTouches)
+{
+  const Body face{"face", 1};
+  const ContactStiffness stiffness{1e6, 5e5, 0.};
+  const auto pressure = [&](const double gap)
+  { return respond_to_contact(face.at({0., 0., gap}, {0., 0., gap}, 0.), stiffness, Vector3d::Zero(), 2e3).force[2]; };
+  EXPECT_DOUBLE_EQ(pressure(0.), 2e3);
+  EXPECT_DOUBLE_EQ(pressure(-1e-3), 3e3);
+  EXPECT_DOUBLE_EQ(pressure(1e-3), 1e3); // it lets go only where the spring has taken it back
+  EXPECT_EQ(pressure(2.1e-3), 0.);
 }
