@@ -13,7 +13,7 @@ SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
 sys.path.insert(0, str(SCENES))
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
-from measures import column, course, cube, plate  # noqa: E402
+from measures import bar, column, course, cube, plate  # noqa: E402
 from runs import Run, RunError  # noqa: E402
 
 
@@ -123,6 +123,54 @@ class Plate(RunCase):
             self.assertLess(plate.flattening(run, 0.1), 0.2)
             self.assertEqual(plate.rise_in_front(run), 0.02)
             self.assertEqual(plate.rise_behind(run), -0.01)
+
+
+class BarVibration(RunCase):
+    LENGTH, YOUNG, DENSITY, DT = 1., 160., 10., 0.01  # period 1 s
+
+    def make_bar(self, periods=2., stretch=1., energy=1., name="run"):
+        """The exact sum of modes in points along the bar; `energy`: factor on the squares of velocity and strain."""
+        scene = {**soil(self.LENGTH, self.YOUNG, self.DENSITY),
+                 "analysis": [{"dt": self.DT, "final time": periods, "beta": 0.25, "gamma": 0.5}]}
+        run = self.make_run(scene=scene, stages=[{"cuts": 0}], name=name)
+        z = (np.arange(100) + 0.5) / 100
+        odd = np.arange(1, 200, 2)[:, None]
+        k, phase = 0.5 * np.pi * odd, 2. * np.pi * odd / stretch
+        amplitude = 160. * self.DENSITY / self.YOUNG / (np.pi * odd)**3  # of gravity 10 in u'' = -rho g / E
+        for step in range(1, round(periods / self.DT) + 1):
+            time, scale = step * self.DT, np.sqrt(energy)
+            columns = {axes: 0. * z for axes in ("velocity_x", "velocity_y", "strain_xx", "strain_yy", "strain_xy",
+                                                 "strain_yz", "strain_xz")}
+            columns["initial position_z"], columns["initial volume"] = z, 0.06 + 0. * z
+            columns["displacement_z"] = -np.sum(amplitude * np.sin(k * z) * (1. - np.cos(phase * time)), axis=0)
+            columns["velocity_z"] = -scale * np.sum(amplitude * phase * np.sin(k * z) * np.sin(phase * time), axis=0)
+            columns["strain_zz"] = -scale * np.sum(amplitude * k * np.cos(k * z) * (1. - np.cos(phase * time)), axis=0)
+            rows = [",".join(map(repr, map(float, row))) for row in zip(*columns.values())]
+            (run.folder / "csv" / f"mps_1_{step + 1:05d}.csv").write_text(
+                "\n".join([f"time,{time}", ",".join(columns), *rows]) + "\n", encoding="utf-8")
+        return run
+
+    def test_exact_motion_has_no_error(self):
+        run = self.make_bar()
+        self.assertAlmostEqual(bar.Bar.of(run).period, 1.)
+        self.assertLess(bar.period_error(run), 1e-5)
+        self.assertLess(bar.end_error(run), 1e-3)  # the uppermost points lie below the end
+        self.assertLess(bar.energy_drift(run), 2e-3)
+        self.assertAlmostEqual(bar.energy_left(run), 1., delta=2e-3)
+
+    def test_a_long_period_is_told(self):
+        self.assertAlmostEqual(bar.period_error(self.make_bar(stretch=1.02)), 0.02, delta=1e-4)
+
+    def test_energy_that_grows_is_told(self):
+        self.assertGreater(bar.energy_growth(self.make_bar(periods=0.5, energy=1.1)), 0.05)
+
+    def test_modes_keep_energy_or_lose_it(self):
+        run = self.make_bar(periods=0.02)
+        stage = {"dt": 0.0125, "final time": 10., "beta": 0.25, "gamma": 0.5}
+        for changes, left in (({}, 1.), ({"beta": 0.5, "gamma": 1.}, np.exp(-0.5 * 0.0125 * (2. * np.pi)**2 * 10.))):
+            (run.folder / "input.json").write_text(json.dumps({**run.input, "analysis": [{**stage, **changes}]}),
+                                                   encoding="utf-8")
+            self.assertAlmostEqual(bar.expected_energy_left(run), left, delta=0.02)
 
 
 class Course(RunCase):
