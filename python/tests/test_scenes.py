@@ -13,7 +13,7 @@ SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
 sys.path.insert(0, str(SCENES))
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
-from measures import bar, column, course, cube, plate  # noqa: E402
+from measures import bar, column, course, cube, plate, slope  # noqa: E402
 from runs import Run, RunError  # noqa: E402
 
 
@@ -171,6 +171,40 @@ class BarVibration(RunCase):
             (run.folder / "input.json").write_text(json.dumps({**run.input, "analysis": [{**stage, **changes}]}),
                                                    encoding="utf-8")
             self.assertAlmostEqual(bar.expected_energy_left(run), left, delta=0.02)
+
+
+class Slope(RunCase):
+    def make_slide(self, friction, acceleration, turning=0., settled=False):
+        """Columns of a body of 5 kg, I 2 kg m2, that starts at x = 3 m (settled: 3.5 m) under gravity of 8 and 6 m/s2."""
+        time = np.linspace(0., 2., 5)
+        x = (3.5 if settled else 3.) + 0.5 * acceleration * time**2
+        columns = {"time": time, "body1_position_x": x, "body1_velocity_x": acceleration * time,
+                   "body1_rotation_y": 0.5 * turning * time**2, "stage": [1., 2., 2., 2., 2.] if settled else 5 * [1.]}
+        if not settled:  # the start is not written
+            columns = {name: values[1:] for name, values in columns.items()}
+        scene = {"domain": {"gravity": [8., 0., -6.]}, "contact": {"friction coefficient": friction},
+                 "rigid bodies": [{"points": [{"position": [1., 0., 0.], "mass": 5., "rotational inertia": [9., 2., 9.]}],
+                                   "offset": [2., 0., 0.]}]}
+        return self.make_run(body=columns, scene=scene, name=f"{friction} {acceleration} {settled}")
+
+    def test_block_slides_from_the_end_of_the_stage_before(self):
+        run = self.make_slide(0.5, 8. - 0.5 * 6., settled=True)
+        self.assertLess(slope.distance_error(run), 1e-12)
+        self.assertLess(slope.speed_error(run), 1e-12)
+        self.assertAlmostEqual(slope.largest_way(run), 10.)
+
+    def test_ball_slides(self):
+        run = self.make_slide(0.1, 8. - 0.1 * 6., turning=0.1 * 6. * 5. / 2.)  # moment mu N r over I
+        self.assertLess(slope.distance_error(run, radius=1.), 1e-12)
+        self.assertLess(slope.turn_error(run, radius=1.), 1e-12)
+
+    def test_ball_rolls(self):
+        run = self.make_slide(0.6, 8. * 5. / 7., turning=8. * 5. / 7.)
+        self.assertLess(slope.distance_error(run, radius=1.), 1e-12)
+        self.assertLess(slope.turn_error(run, radius=1.), 1e-12)
+
+    def test_a_wrong_way_is_told(self):
+        self.assertAlmostEqual(slope.distance_error(self.make_slide(0.5, 5.5)), 0.1)
 
 
 class Course(RunCase):
