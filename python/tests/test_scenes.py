@@ -13,7 +13,7 @@ SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
 sys.path.insert(0, str(SCENES))
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
-from measures import column, course, cube, plate  # noqa: E402
+from measures import bar, column, course, cube, plate, slope  # noqa: E402
 from runs import Run, RunError  # noqa: E402
 
 
@@ -123,6 +123,88 @@ class Plate(RunCase):
             self.assertLess(plate.flattening(run, 0.1), 0.2)
             self.assertEqual(plate.rise_in_front(run), 0.02)
             self.assertEqual(plate.rise_behind(run), -0.01)
+
+
+class BarVibration(RunCase):
+    LENGTH, YOUNG, DENSITY, DT = 1., 160., 10., 0.01  # period 1 s
+
+    def make_bar(self, periods=2., stretch=1., energy=1., name="run"):
+        """The exact sum of modes in points along the bar; `energy`: factor on the squares of velocity and strain."""
+        scene = {**soil(self.LENGTH, self.YOUNG, self.DENSITY),
+                 "analysis": [{"dt": self.DT, "final time": periods, "beta": 0.25, "gamma": 0.5}]}
+        run = self.make_run(scene=scene, stages=[{"cuts": 0}], name=name)
+        z = (np.arange(100) + 0.5) / 100
+        odd = np.arange(1, 200, 2)[:, None]
+        k, phase = 0.5 * np.pi * odd, 2. * np.pi * odd / stretch
+        amplitude = 160. * self.DENSITY / self.YOUNG / (np.pi * odd)**3  # of gravity 10 in u'' = -rho g / E
+        for step in range(1, round(periods / self.DT) + 1):
+            time, scale = step * self.DT, np.sqrt(energy)
+            columns = {axes: 0. * z for axes in ("velocity_x", "velocity_y", "strain_xx", "strain_yy", "strain_xy",
+                                                 "strain_yz", "strain_xz")}
+            columns["initial position_z"], columns["initial volume"] = z, 0.06 + 0. * z
+            columns["displacement_z"] = -np.sum(amplitude * np.sin(k * z) * (1. - np.cos(phase * time)), axis=0)
+            columns["velocity_z"] = -scale * np.sum(amplitude * phase * np.sin(k * z) * np.sin(phase * time), axis=0)
+            columns["strain_zz"] = -scale * np.sum(amplitude * k * np.cos(k * z) * (1. - np.cos(phase * time)), axis=0)
+            rows = [",".join(map(repr, map(float, row))) for row in zip(*columns.values())]
+            (run.folder / "csv" / f"mps_1_{step + 1:05d}.csv").write_text(
+                "\n".join([f"time,{time}", ",".join(columns), *rows]) + "\n", encoding="utf-8")
+        return run
+
+    def test_exact_motion_has_no_error(self):
+        run = self.make_bar()
+        self.assertAlmostEqual(bar.Bar.of(run).period, 1.)
+        self.assertLess(bar.period_error(run), 1e-5)
+        self.assertLess(bar.end_error(run), 1e-3)  # the uppermost points lie below the end
+        self.assertLess(bar.energy_drift(run), 2e-3)
+        self.assertAlmostEqual(bar.energy_left(run), 1., delta=2e-3)
+
+    def test_a_long_period_is_told(self):
+        self.assertAlmostEqual(bar.period_error(self.make_bar(stretch=1.02)), 0.02, delta=1e-4)
+
+    def test_energy_that_grows_is_told(self):
+        self.assertGreater(bar.energy_growth(self.make_bar(periods=0.5, energy=1.1)), 0.05)
+
+    def test_modes_keep_energy_or_lose_it(self):
+        run = self.make_bar(periods=0.02)
+        stage = {"dt": 0.0125, "final time": 10., "beta": 0.25, "gamma": 0.5}
+        for changes, left in (({}, 1.), ({"beta": 0.5, "gamma": 1.}, np.exp(-0.5 * 0.0125 * (2. * np.pi)**2 * 10.))):
+            (run.folder / "input.json").write_text(json.dumps({**run.input, "analysis": [{**stage, **changes}]}),
+                                                   encoding="utf-8")
+            self.assertAlmostEqual(bar.expected_energy_left(run), left, delta=0.02)
+
+
+class Slope(RunCase):
+    def make_slide(self, friction, acceleration, turning=0., settled=False):
+        """Columns of a body of 5 kg, I 2 kg m2, that starts at x = 3 m (settled: 3.5 m) under gravity of 8 and 6 m/s2."""
+        time = np.linspace(0., 2., 5)
+        x = (3.5 if settled else 3.) + 0.5 * acceleration * time**2
+        columns = {"time": time, "body1_position_x": x, "body1_velocity_x": acceleration * time,
+                   "body1_rotation_y": 0.5 * turning * time**2, "stage": [1., 2., 2., 2., 2.] if settled else 5 * [1.]}
+        if not settled:  # the start is not written
+            columns = {name: values[1:] for name, values in columns.items()}
+        scene = {"domain": {"gravity": [8., 0., -6.]}, "contact": {"friction coefficient": friction},
+                 "rigid bodies": [{"points": [{"position": [1., 0., 0.], "mass": 5., "rotational inertia": [9., 2., 9.]}],
+                                   "offset": [2., 0., 0.]}]}
+        return self.make_run(body=columns, scene=scene, name=f"{friction} {acceleration} {settled}")
+
+    def test_block_slides_from_the_end_of_the_stage_before(self):
+        run = self.make_slide(0.5, 8. - 0.5 * 6., settled=True)
+        self.assertLess(slope.distance_error(run), 1e-12)
+        self.assertLess(slope.speed_error(run), 1e-12)
+        self.assertAlmostEqual(slope.largest_way(run), 10.)
+
+    def test_ball_slides(self):
+        run = self.make_slide(0.1, 8. - 0.1 * 6., turning=0.1 * 6. * 5. / 2.)  # moment mu N r over I
+        self.assertLess(slope.distance_error(run, radius=1.), 1e-12)
+        self.assertLess(slope.turn_error(run, radius=1.), 1e-12)
+
+    def test_ball_rolls(self):
+        run = self.make_slide(0.6, 8. * 5. / 7., turning=8. * 5. / 7.)
+        self.assertLess(slope.distance_error(run, radius=1.), 1e-12)
+        self.assertLess(slope.turn_error(run, radius=1.), 1e-12)
+
+    def test_a_wrong_way_is_told(self):
+        self.assertAlmostEqual(slope.distance_error(self.make_slide(0.5, 5.5)), 0.1)
 
 
 class Course(RunCase):

@@ -345,8 +345,9 @@ template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& c
   load.step_fraction = clock.step_fraction();
   load.newmark = {stage->stepping.beta, stage->stepping.gamma,
                   stage->stepping.type == StageType::dynamic ? clock.step_fraction() * stage->stepping.dt : 0.};
-  load.starts_at_rest = log.steps_in_stage() == 0 &&
-                        (stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
+  load.begins_stage = log.steps_in_stage() == 0;
+  load.starts_at_rest =
+      load.begins_stage && (stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
   load.body_increments.clear();
   for (const RigidPoint& point : bodies.points)
     load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));

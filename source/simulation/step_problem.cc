@@ -162,8 +162,8 @@ template <int dim> RigidStep StepProblem<dim>::rigid_step() const
   RigidStep step;
   step.gravity = load.gravity_factor * to_world_axes(input.gravity, dim);
   step.fraction = load.step_fraction;
-  step.beta = stage.stepping.beta;
-  step.gamma = stage.stepping.gamma;
+  step.beta = load.begins_stage ? 0.5 : stage.stepping.beta; // as RigidStep advises
+  step.gamma = load.begins_stage ? 1. : stage.stepping.gamma;
   if (stage.stepping.type == StageType::dynamic)
     step.dt = load.step_fraction * stage.stepping.dt;
   return step;

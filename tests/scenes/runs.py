@@ -1,5 +1,6 @@
 """Starts the program on a scene and reads back what it wrote."""
 import csv
+import functools
 import json
 import os
 import pathlib
@@ -59,7 +60,7 @@ class Run:
 
     def steps(self):
         """Numbers of the steps whose material points were written."""
-        return sorted({int(path.stem.rsplit("_", 1)[1]) for path in self.folder.rglob("mps_*.csv")})
+        return sorted(self._layers)
 
     def points(self, name, step=None):
         """A column of the material points of all layers, such as "stress_zz"; default: the last step written."""
@@ -67,12 +68,21 @@ class Run:
         if not steps:
             raise RunError(f"{self.folder}: holds no mps_*.csv")
         step = steps[-1] if step is None else step
-        paths = sorted(self.folder.rglob(f"mps_*_{step:05d}.csv"), key=lambda path: int(path.stem.split("_")[1]))
-        return np.concatenate([self._column(path, name, skip=1) for path in paths])
+        return np.concatenate([self._column(path, name, skip=1) for path in self._layers[step]])
 
     def body(self, name):
         """A column of rigid_body.csv, such as "body1_position_z"."""
         return self._column(next(iter(self.folder.rglob("rigid_body.csv")), self.folder / "rigid_body.csv"), name)
+
+    @functools.cached_property
+    def _layers(self):
+        """By step, the files of the layers in their order. Looked for once: a run may write hundreds."""
+        result = {}
+        for path in self.folder.rglob("mps_*.csv"):
+            result.setdefault(int(path.stem.rsplit("_", 1)[1]), []).append(path)
+        for paths in result.values():
+            paths.sort(key=lambda path: int(path.stem.split("_")[1]))
+        return result
 
     def _json(self, name):
         try:

@@ -26,6 +26,7 @@ public:
     double step_fraction = 1.;            ///< of a requested step
     Newmark newmark;                      ///< with a dt of 0 in static stages
     bool starts_at_rest = false;          ///< the first acceleration follows from the forces, not from the particles
+    bool begins_stage = false;            ///< those of the bodies are not known: other dofs may have become free
     std::vector<Vector6> body_increments; ///< prescribed, per rigid point, of the whole (possibly cut) step
   };
 

@@ -75,10 +75,9 @@ struct Block
     loads = problem.body_loads();
     particles.commit(problem.particle_increments(), DomainUpdate::none);
     particles.load();
-    for (std::size_t i = 0; i < bodies.points.size(); ++i)
-      bodies.points[i].pose = bodies.points[i].pose.moved(load.body_increments[i]);
+    commit_increments(bodies, problem.rigid_step(), problem.rigid_increments());
     contact.commit();
-    load.starts_at_rest = false;
+    load.starts_at_rest = load.begins_stage = false;
   }
 
   /// Sum over the particles of all ranks of a vector that a function makes of mass, position and motion.
@@ -166,6 +165,27 @@ TEST(Dynamics, RigidMotionKeepsMomentumAndSpin)
   EXPECT_LT((block.momentum() - p - fallen).norm(), 1e-8 * p.norm());
   const Eigen::Vector3d of_centre = block.centre().cross(block.momentum()) - pivot.cross(p);
   EXPECT_LT((block.angular_momentum() - of_centre - l).norm(), 1e-4 * (l - pivot.cross(p)).norm());
+}
+
+TEST(Dynamics, FreeBodiesFallExactlyFromTheirFirstStep)
+{
+  Block block(1e6, -9.81, {0.25, 0.5, 0.01});
+  block.stage.stepping.beta = 0.25;
+  block.stage.stepping.gamma = 0.5;
+  block.stage.stepping.dt = 0.01;
+  block.stage.rigid_bodies = true;
+  block.bodies.points.emplace_back();
+  RigidPoint& body = block.bodies.points[0];
+  body.mass = 5.;
+  body.conditions[2].kind = DofCondition::Kind::free;
+  block.load.body_increments = {Vector6::Zero()};
+  block.load.starts_at_rest = block.load.begins_stage = true;
+  const unsigned int n_steps = 12;
+  for (unsigned int step = 0; step < n_steps; ++step)
+    block.step();
+  const double t = 0.01 * n_steps;
+  EXPECT_NEAR(body.velocity[2], -9.81 * t, 1e-9 * 9.81 * t);
+  EXPECT_NEAR(body.pose.position[2], -0.5 * 9.81 * t * t, 1e-9);
 }
 
 TEST(Dynamics, MomentumBalancesContactAndWeight)
