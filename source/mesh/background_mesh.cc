@@ -1,4 +1,5 @@
 #include <deal.II/base/index_set.h>
+#include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/grid/grid_generator.h>
@@ -153,6 +154,7 @@ template <int dim> void BackgroundMesh<dim>::repartition(const std::vector<doubl
 template <int dim> void BackgroundMesh<dim>::update()
 {
   nodes.distribute_dofs(dealii::FE_Q<dim>(1));
+  dealii::DoFRenumbering::hierarchical(nodes); // the order of cells depends on how they came about
   const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);
   const dealii::IndexSet owned = nodes.locally_owned_dofs();
 

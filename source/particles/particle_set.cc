@@ -77,12 +77,25 @@ template <int dim> std::vector<typename BackgroundMesh<dim>::Cell> ParticleSet<d
   return cells;
 }
 
+template <int dim> std::vector<typename ParticleSet<dim>::Place> ParticleSet<dim>::sort_active() const
+{
+  std::vector<Place> places;
+  for (const auto& cell : active_cells())
+  {
+    const auto in_cell = particles.particles_in_cell(cell);
+    for (auto particle = in_cell.begin(); particle != in_cell.end(); ++particle)
+      places.push_back({mesh.leaf_number(cell), particle});
+  }
+  std::sort(places.begin(), places.end(),
+            [](const Place& a, const Place& b)
+            { return std::make_pair(a.leaf, a.particle->get_id()) < std::make_pair(b.leaf, b.particle->get_id()); });
+  return places;
+}
+
 template <int dim> void ParticleSet<dim>::load()
 {
-  const auto cells = active_cells();
-  std::size_t n = 0;
-  for (const auto& cell : cells)
-    n += particles.n_particles_in_cell(cell);
+  order = sort_active();
+  const std::size_t n = order.size();
   if (n != mirror.n || mirror.young.extent(0) != n)
     mirror = allocate_arrays(n);
   centre.resize(n);
@@ -100,33 +113,31 @@ template <int dim> void ParticleSet<dim>::load()
   auto strain = Kokkos::create_mirror_view(mirror.trial_strain);
   auto stress = Kokkos::create_mirror_view(mirror.trial_stress);
 
-  std::size_t p = 0;
-  for (const auto& cell : cells)
-    for (const auto& particle : particles.particles_in_cell(cell))
+  for (std::size_t p = 0; p < n; ++p)
+  {
+    const auto& particle = order[p].particle;
+    const double* data = particle->get_properties().data();
+    centre[p] = to_array<dim>(particle->get_location());
+    std::copy_n(data + field::half_width, dim, half_width[p].begin());
+    leaf[p] = order[p].leaf;
+    id[p] = particle->get_id();
+    const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
+    for (unsigned int i = 0; i < 6; ++i)
     {
-      const double* data = particle.get_properties().data();
-      centre[p] = to_array<dim>(particle.get_location());
-      std::copy_n(data + field::half_width, dim, half_width[p].begin());
-      leaf[p] = mesh.leaf_number(cell);
-      id[p] = particle.get_id();
-      const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
-      for (unsigned int i = 0; i < 6; ++i)
-      {
-        b(p, i) = b_e[i];
-        strain(p, i) = data[field::elastic_strain + i];
-        stress(p, i) = data[field::stress + i];
-      }
-      for (unsigned int i = 0; i < 3; ++i)
-      {
-        velocity(p, i) = data[field::velocity + i];
-        acceleration(p, i) = data[field::acceleration + i];
-      }
-      young(p) = data[field::young];
-      volume(p) = data[field::initial_volume];
-      mass(p) = data[field::mass];
-      layer(p) = static_cast<unsigned int>(data[field::layer]);
-      ++p;
+      b(p, i) = b_e[i];
+      strain(p, i) = data[field::elastic_strain + i];
+      stress(p, i) = data[field::stress + i];
     }
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      velocity(p, i) = data[field::velocity + i];
+      acceleration(p, i) = data[field::acceleration + i];
+    }
+    young(p) = data[field::young];
+    volume(p) = data[field::initial_volume];
+    mass(p) = data[field::mass];
+    layer(p) = static_cast<unsigned int>(data[field::layer]);
+  }
 
   Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
   Kokkos::deep_copy(mirror.young, young);
@@ -162,40 +173,38 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_stress);
   const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_plastic);
 
-  std::size_t p = 0;
-  for (const auto& cell : active_cells())
-    for (auto& particle : particles.particles_in_cell(cell))
-    {
-      double* data = particle.get_properties().data();
-      dealii::Point<dim> position = particle.get_location();
+  for (std::size_t p = 0; p < order.size(); ++p)
+  {
+    auto& particle = order[p].particle;
+    double* data = particle->get_properties().data();
+    dealii::Point<dim> position = particle->get_location();
+    for (unsigned int d = 0; d < dim; ++d)
+      position[d] += displacement(p, d);
+    particle->set_location(position);
+
+    double* F = data + field::deformation_gradient;
+    double updated[9] = {};
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        for (unsigned int k = 0; k < 3; ++k)
+          updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
+    std::copy_n(updated, 9, F);
+    if (domain_update == DomainUpdate::stretch)
       for (unsigned int d = 0; d < dim; ++d)
-        position[d] += displacement(p, d);
-      particle.set_location(position);
+        data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
 
-      double* F = data + field::deformation_gradient;
-      double updated[9] = {};
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          for (unsigned int k = 0; k < 3; ++k)
-            updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
-      std::copy_n(updated, 9, F);
-      if (domain_update == DomainUpdate::stretch)
-        for (unsigned int d = 0; d < dim; ++d)
-          data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
-
-      for (unsigned int i = 0; i < 6; ++i)
-      {
-        data[field::elastic_strain + i] = strain(p, i);
-        data[field::stress + i] = stress(p, i);
-      }
-      data[field::plastic_strain] += plastic(p);
-      for (unsigned int i = 0; i < 3; ++i)
-      {
-        data[field::velocity + i] = moves ? data[field::velocity + i] + velocity_change(p, i) : 0.;
-        data[field::acceleration + i] = moves ? acceleration(p, i) : 0.;
-      }
-      ++p;
+    for (unsigned int i = 0; i < 6; ++i)
+    {
+      data[field::elastic_strain + i] = strain(p, i);
+      data[field::stress + i] = stress(p, i);
     }
+    data[field::plastic_strain] += plastic(p);
+    for (unsigned int i = 0; i < 3; ++i)
+    {
+      data[field::velocity + i] = moves ? data[field::velocity + i] + velocity_change(p, i) : 0.;
+      data[field::acceleration + i] = moves ? acceleration(p, i) : 0.;
+    }
+  }
   const long long before = particles.n_global_particles();
   particles.sort_particles_into_subdomains_and_cells();
   lost += before - static_cast<long long>(particles.n_global_particles());

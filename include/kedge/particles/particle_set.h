@@ -61,11 +61,20 @@ public:
   double bytes() const;
 
 private:
+  struct Place
+  {
+    unsigned int leaf;
+    typename Handler::particle_iterator particle;
+  };
   std::vector<typename BackgroundMesh<dim>::Cell> active_cells() const;
+  /// By leaf and number: how cells were refined and in which order particles came does not show in any sum over them,
+  /// so that a run that was restarted goes on bit for bit.
+  std::vector<Place> sort_active() const;
   std::vector<double> cell_work(double cost) const;
 
   BackgroundMesh<dim>& mesh;
   Handler particles;
+  std::vector<Place> order; ///< of the arrays
   ParticleArrays mirror;
   std::vector<std::array<double, dim>> centre, half_width;
   std::vector<unsigned int> leaf;

@@ -200,8 +200,9 @@ TEST(ContactResponse, AMultiplierPressesWhereTheCornerJustTouches)
 {
   const Body face{"face", 1};
   const ContactStiffness stiffness{1e6, 5e5, 0.};
-  const auto pressure = [&](const double gap)
-  { return respond_to_contact(face.at({0., 0., gap}, {0., 0., gap}, 0.), stiffness, Vector3d::Zero(), 2e3).force[2]; };
+  const auto pressure = [&](const double gap) {
+    return respond_to_contact(face.at({0., 0., gap}, {0., 0., gap}, 0.), stiffness, Vector3d::Zero(), 2e3).force[2];
+  };
   EXPECT_DOUBLE_EQ(pressure(0.), 2e3);
   EXPECT_DOUBLE_EQ(pressure(-1e-3), 3e3);
   EXPECT_DOUBLE_EQ(pressure(1e-3), 1e3); // it lets go only where the spring has taken it back
