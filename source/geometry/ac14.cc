@@ -79,19 +79,17 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
   const auto rim_width = [=](const Vector2d& p) { return 0.12 - 0.065 * p[0] / length; };
   const Planform planform = triangulate_outline({fluke_outline(fluke, mesh)}, rim_width, mesh.size, mesh.segments);
 
-  // The crown: a wedge that falls off to the flukes, and the tripping palms, ridges across it with a steep front, on
-  // which the anchor rests with its tips down and which turn them into the soil when it is dragged.
+  // The crown: a wedge that falls off to the flukes, higher where the palms are than between them.
   const auto crown = [=](const Vector2d& p)
   {
-    const double wedge = smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]);
-    const double across = smooth_step(s + 0.2, s + 0.35, std::abs(p[1])) * smooth_step(w, w - 0.15, std::abs(p[1]));
-    const double ridge = smooth_step(0.02 * x0, 0.14 * x0, p[0]) * smooth_step(0.28 * x0, 0.16 * x0, p[0]);
-    return 0.1 * wedge + across * ridge;
+    const double along = smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]);
+    const double palms = smooth_step(s, s + 0.25, std::abs(p[1])) * smooth_step(w + 0.1, w - 0.25, std::abs(p[1]));
+    return along * (0.5 + 0.5 * palms);
   };
   const auto flukes = [=](const Vector2d& p)
   {
     const double thinning = 1. - 0.6 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
-    return thinning * (0.5 + 0.5 * smooth_step(0., 0.6 * x0, p[0]));
+    return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
   };
   return thicken(planform, fit_half_thickness(planform, crown, flukes, {fluke.mass / steel_density, fluke.centroid},
                                               rim_width, least_radius));

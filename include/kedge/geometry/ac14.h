@@ -12,7 +12,7 @@ constexpr double steel_density = 7850.; ///< kg/m3
 /// Mesh of a part of the anchor.
 struct PartMesh
 {
-  double size = 0.035;       ///< edges of the triangles on the flat sides, m
+  double size = 0.06;        ///< edges of the triangles on the flat sides, m
   unsigned int segments = 4; ///< facets over a quarter turn of roundings
 };
 
