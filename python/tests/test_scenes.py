@@ -13,7 +13,7 @@ SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
 sys.path.insert(0, str(SCENES))
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
-from measures import bar, column, course, cube, plate, slope  # noqa: E402
+from measures import bar, column, course, cube, footing, plate, slope  # noqa: E402
 from runs import Run, RunError  # noqa: E402
 
 
@@ -102,6 +102,18 @@ class Cube(RunCase):
         self.assertLess(cube.balance_error(run), 1e-12)
         self.assertEqual(cube.spread(run), 0.)
         self.assertAlmostEqual(cube.penetration(run), 0.002)
+
+
+class Footing(RunCase):
+    def test_excess_compares_the_forces_over_the_thickness(self):
+        runs = []
+        for thickness, force in ((3., 36.), (2., 20.)):
+            scene = soil(1., 1e4, 0.)
+            scene["material points"]["material size"]["max"] = [2, thickness]
+            scene["rigid bodies"] = [{"points": [{"position": [0, 0, 3.], "mass": 2.}]}]
+            runs.append(self.make_run(body={"body1_reaction force_z": [0., 20. - force]}, scene=scene,
+                                      name=str(thickness)))
+        self.assertAlmostEqual(footing.excess(*runs), 0.2)
 
 
 class Plate(RunCase):

@@ -1,5 +1,6 @@
 #include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/kernels.h>
+#include <kedge/assembly/volume_average.h>
 
 namespace kedge
 {
@@ -27,16 +28,18 @@ Materials upload_materials(const std::vector<MaterialParameters>& parameters)
 template <int dim>
 unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                       const Materials& materials, const NodalVector& increment,
-                                      const NodalVector& force)
+                                      const NodalVector& force, const CellGroups& cells)
 {
+  const View<double*> factor = find_volume_factors<dim>(particles, stencils, cells, increment);
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        const StressUpdate update = update_stress(dF, row_of(particles.elastic_left_cauchy_green, p),
-                                                  particles.young(p), materials(particles.layer(p)));
+        const StressUpdate update =
+            update_stress(stretch<dim>(dF, factor, p), row_of(particles.elastic_left_cauchy_green, p),
+                          particles.young(p), materials(particles.layer(p)));
         if (update.status == Status::inverted)
         {
           ++inverted;
@@ -102,15 +105,17 @@ View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const Nod
 }
 
 template <int dim>
-ParticleIncrements interpolate_increments(const StencilSet& stencils, const NodalVector& increment)
+ParticleIncrements interpolate_increments(const ParticleArrays& particles, const StencilSet& stencils,
+                                          const NodalVector& increment, const CellGroups& cells)
 {
+  const View<double*> factor = find_volume_factors<dim>(particles, stencils, cells, increment);
   ParticleIncrements result;
   result.displacement = interpolate_to_particles(stencils, increment);
   result.deformation_gradient = View<double* [9]>("dF", stencils.n_particles);
   Kokkos::parallel_for(
       "interpolate increments", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
       KOKKOS_LAMBDA(const unsigned int p) {
-        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+        const Eigen::Matrix3d dF = stretch<dim>(deformation_increment<dim>(stencils, increment, p), factor, p);
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j)
             result.deformation_gradient(p, 3 * i + j) = dF(i, j);
@@ -120,10 +125,11 @@ ParticleIncrements interpolate_increments(const StencilSet& stencils, const Noda
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template unsigned long update_stress_and_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,      \
-                                                      const NodalVector&, const NodalVector&);                         \
+                                                      const NodalVector&, const NodalVector&, const CellGroups&);      \
   template void add_weight<dim>(const ParticleArrays&, const StencilSet&, const std::array<double, 3>&, double,        \
                                 const NodalVector&);                                                                   \
-  template ParticleIncrements interpolate_increments<dim>(const StencilSet&, const NodalVector&);
+  template ParticleIncrements interpolate_increments<dim>(const ParticleArrays&, const StencilSet&,                    \
+                                                          const NodalVector&, const CellGroups&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)
 } // namespace kedge

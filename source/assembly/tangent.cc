@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/kernels.h>
+#include <kedge/assembly/volume_average.h>
 
 namespace kedge
 {
@@ -32,6 +33,8 @@ template <int dim> struct TangentKernel
   View<unsigned int*> column;
   View<double*> values;
   unsigned int chunk;
+  View<double*> volume_factor;
+  View<double* [9]> moduli; ///< of the cell's dilation; empty, as the factors are, without F-bar
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
 
@@ -45,7 +48,10 @@ template <int dim> struct TangentKernel
     for (int i = 0; i < 6; ++i)
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
-    update_stress(dF, b, particles.young(p), materials(particles.layer(p)), tangent);
+    const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b, particles.young(p),
+                                              materials(particles.layer(p)), tangent);
+    if (volume_factor.extent(0) > 0)
+      take_out_dilation(p, update.stress, tangent);
     const double volume = particles.initial_volume(p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
@@ -72,6 +78,24 @@ template <int dim> struct TangentKernel
           for (int k = 0; k < dim; ++k)
             contracted[(j * dim + i) * width + dim * v + k] = t[(3 * j + i) * 3 + k];
     }
+  }
+
+  /// The stress follows the dilation of the cell instead of the particle's own. q_ij = (sum_m c_ijmm) / dim, where c
+  /// are the moduli of the stress alone: a_ijkl + tau_il delta_jk.
+  KEDGE_FUNCTION void take_out_dilation(const unsigned int p, const SymmetricTensor& stress,
+                                        SpatialTangent& tangent) const
+  {
+    const Eigen::Matrix3d tau = full_matrix(stress);
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+      {
+        double q = tau(i, j) / dim;
+        for (int m = 0; m < dim; ++m)
+          q += tangent(i, j, m, m) / dim;
+        moduli(p, 3 * i + j) = q;
+        for (int m = 0; m < dim; ++m)
+          tangent(i, j, m, m) -= q;
+      }
   }
 
   KEDGE_FUNCTION void operator()(const Member& team) const
@@ -158,24 +182,31 @@ template <int dim> struct TangentKernel
 
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
-                 const NodalVector& increment, const NodeGraph& graph, const View<double*>& values)
+                 const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
+                 const CellGroups& cells)
 {
   const unsigned int width = round_up(dim * stencils.max_nodes, column_block);
   const unsigned int gradients = dim * round_up(stencils.max_nodes, node_block);
   const std::size_t per_particle = sizeof(double) * (dim * dim * width + gradients);
   const unsigned int chunk =
       std::max<std::size_t>(1, std::min<std::size_t>(16, cache_bytes / std::max<std::size_t>(1, per_particle)));
-  const TangentKernel<dim> kernel{particles,       stencils,     materials, increment,
-                                  graph.row_begin, graph.column, values,    chunk};
+  const View<double* [9]> moduli("moduli of dilation", cells.empty() ? 0 : particles.n);
+  const TangentKernel<dim> kernel{
+      particles, stencils,        materials,
+      increment, graph.row_begin, graph.column,
+      values,    chunk,           find_volume_factors<dim>(particles, stencils, cells, increment),
+      moduli};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),
       Kokkos::PerThread(Scratch::shmem_size(node_block * dim * width)));
   Kokkos::parallel_for("tangent", policy, kernel);
+  if (!cells.empty())
+    add_mean_dilation<dim>(particles, stencils, cells, increment, moduli, graph, values);
 }
 
 template void add_tangent<2>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&);
+                             const NodeGraph&, const View<double*>&, const CellGroups&);
 template void add_tangent<3>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&);
+                             const NodeGraph&, const View<double*>&, const CellGroups&);
 } // namespace kedge

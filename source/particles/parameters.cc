@@ -47,6 +47,9 @@ Section<MaterialPointParameters> material_points_section()
                    "Material points per cell along each axis");
   section.group("material size", Key::Presence::required, material_size_section(), "Plan extent of the block");
   section.required("layers", &P::layers, list_of(object_of(layer_section()), 1), "Soil layers from the surface down");
+  section.optional("F-bar", &P::f_bar, on_off(),
+                   "The material points of a cell share its mean change of volume: against locking where soil flows "
+                   "and keeps its volume");
   section.group("initial stress", Key::Presence::optional, initial_stress_section(),
                 "Stress before the first stage; without it the soil starts free of stress");
   return section;

@@ -41,7 +41,8 @@ StepProblem<dim>::StepProblem(const Input& input_, const Stage& stage_, const Ba
 
   const auto scope = timings.measure("sparsity");
   const std::vector<unsigned char> constrained = find_constrained_dofs();
-  std::vector<NodeLists> couplings{{stencils.pattern_node_begin, stencils.pattern_nodes}};
+  std::vector<NodeLists> couplings{cells.empty() ? NodeLists{stencils.pattern_node_begin, stencils.pattern_nodes}
+                                                 : NodeLists{cells.node_begin, cells.nodes}};
   if (ghost_faces.n_faces() > 0)
     couplings.push_back({ghost_faces.node_begin, ghost_faces.nodes});
   system = std::make_unique<System>(
@@ -84,6 +85,8 @@ template <int dim> void StepProblem<dim>::number_nodes()
   }
   nodes = number_active_nodes<dim>(mesh.leaves(), used, mesh.triangulation().get_communicator());
   stencils = upload_stencils<dim>(std::move(host), nodes.number);
+  if (input.material_points.f_bar)
+    cells = group_by_cell(stencils, particles.leaves());
   ghost_faces = upload_ghost_faces(std::move(faces), nodes.number);
 }
 
@@ -260,7 +263,7 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
   body_increments = rigid_unknowns->fill(load.body_increments, rigid_unknowns->rigid(x));
   const NodalVector force = system->make_nodal_vector();
   const unsigned long inverted =
-      update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force);
+      update_stress_and_force<dim>(particles.arrays(), stencils, materials, local_increment, force, cells);
   const double factor = load.gravity_factor;
   const NodalVector weight = full_weight;
   Kokkos::parallel_for(
@@ -295,7 +298,8 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
   {
     const auto scope = timings.measure("tangent");
     system->clear_matrix();
-    add_tangent<dim>(particles.arrays(), stencils, materials, local_increment, system->graph(), system->values());
+    add_tangent<dim>(particles.arrays(), stencils, materials, local_increment, system->graph(), system->values(),
+                     cells);
     if (stage.rigid_bodies)
       add_point_tangents(contact.points_of_last_evaluation(), -1., system->graph(), system->values());
     add_ghost_matrix<dim>(ghost_faces, ghost_faces.stiffness, system->graph(), system->values());
@@ -317,7 +321,7 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
 
 template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
 {
-  ParticleIncrements increments = interpolate_increments<dim>(stencils, local_increment);
+  ParticleIncrements increments = interpolate_increments<dim>(particles.arrays(), stencils, local_increment, cells);
   if (load.newmark.is_dynamic())
     increments.motion = particle_motion(stencils, motion, load.newmark, local_increment);
   return increments;
@@ -326,7 +330,8 @@ template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() co
 template <int dim> double StepProblem<dim>::basis_bytes() const
 {
   return double(stencils.value.span() + stencils.gradient.span()) * sizeof(double) +
-         double(stencils.pattern_nodes.span() + stencils.pattern_particles.span()) * sizeof(unsigned int) +
+         double(stencils.pattern_nodes.span() + stencils.pattern_particles.span() + cells.nodes.span()) *
+             sizeof(unsigned int) +
          stencils.n_particles * (sizeof(unsigned int) + sizeof(std::size_t));
 }
 

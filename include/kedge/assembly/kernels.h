@@ -75,6 +75,18 @@ KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils,
   return result;
 }
 
+/// dF with the volume that F-bar gives it: its part in space, or in the plane, times the particle's factor. Without
+/// factors dF as it is.
+template <int dim>
+KEDGE_FUNCTION Eigen::Matrix3d stretch(Eigen::Matrix3d f, const View<double*>& factor, const unsigned int p)
+{
+  if (factor.extent(0) > 0)
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+        f(i, j) *= factor(p);
+  return f;
+}
+
 KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
 {
   Eigen::Matrix3d c;

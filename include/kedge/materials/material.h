@@ -68,6 +68,12 @@ struct StressUpdate
   Status status;
 };
 
+KEDGE_FUNCTION double determinant(const Eigen::Matrix3d& f)
+{
+  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
+         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
+}
+
 namespace internal
 {
 /// dF b dF^T.
@@ -85,12 +91,6 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
   SymmetricTensor pushed;
   pushed << entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2);
   return pushed;
-}
-
-KEDGE_FUNCTION double determinant(const Eigen::Matrix3d& f)
-{
-  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
-         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
 }
 
 template <bool with_tangent>

@@ -35,6 +35,7 @@ struct MaterialPointParameters
   std::array<double, 2> plan_extent{{0, 0}}; ///< block from 0 to here in x and y (2-D: x only), m
   std::vector<Layer> layers;                 ///< from the surface down
   DomainUpdate domain_update = DomainUpdate::none;
+  bool f_bar = false;       ///< "F-bar": volume changes averaged over cells
   std::optional<double> K0; ///< "initial stress": horizontal over vertical stress
 };
 

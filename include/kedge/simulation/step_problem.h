@@ -74,6 +74,7 @@ private:
 
   ActiveNodes nodes;
   StencilSet stencils;
+  CellGroups cells; ///< of F-bar; empty without it
   GhostFaces ghost_faces;
   NodalMotion motion; ///< at the start of the step; empty in static stages
   std::unique_ptr<System> system;

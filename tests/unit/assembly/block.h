@@ -47,19 +47,21 @@ template <int dim> struct Discretisation
       used[node] = 1;
     nodes = number_active_nodes<dim>(table, used, mesh.triangulation().get_communicator());
     stencils = upload_stencils<dim>(std::move(host), nodes.number);
+    cells = group_by_cell(stencils, particles.leaves());
     for (const unsigned int node : nodes.mesh_node)
       position.push_back(table.node_position[node]);
   }
 
-  std::unique_ptr<System> make_system(const std::vector<unsigned char>& constrained) const
+  std::unique_ptr<System> make_system(const std::vector<unsigned char>& constrained, const bool f_bar = false) const
   {
-    const std::vector<NodeLists> couplings{{stencils.pattern_node_begin, stencils.pattern_nodes}};
+    const std::vector<NodeLists> couplings{f_bar ? NodeLists{cells.node_begin, cells.nodes}
+                                                 : NodeLists{stencils.pattern_node_begin, stencils.pattern_nodes}};
     return std::make_unique<System>(
         dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
   }
-  std::unique_ptr<System> make_system() const
+  std::unique_ptr<System> make_system(const bool f_bar = false) const
   {
-    return make_system(std::vector<unsigned char>(dim * nodes.n_local(), 0));
+    return make_system(std::vector<unsigned char>(dim * nodes.n_local(), 0), f_bar);
   }
 
   using Field = std::function<double(const std::array<double, dim>& position, unsigned int component)>;
@@ -89,6 +91,7 @@ template <int dim> struct Discretisation
 
   ActiveNodes nodes;
   StencilSet stencils;
+  CellGroups cells;                              ///< what F-bar averages over
   std::vector<std::array<double, dim>> position; ///< of the nodes of this rank
 };
 
@@ -167,11 +170,12 @@ template <int dim> struct Block
 
 /// Internal force of all ranks' particles on the owned dofs for an increment given on the owned dofs.
 template <int dim>
-TpetraVector internal_force(const Block<dim>& block, const System& system, const TpetraVector& increment)
+TpetraVector internal_force(const Block<dim>& block, const System& system, const TpetraVector& increment,
+                            const CellGroups& cells = {})
 {
   const NodalVector force = system.make_nodal_vector();
   update_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials,
-                               system.spread(increment), force);
+                               system.spread(increment), force, cells);
   TpetraVector owned(system.graph().row_map);
   system.collect(force, owned);
   return owned;

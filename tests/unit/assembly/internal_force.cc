@@ -153,8 +153,8 @@ TYPED_TEST(InternalForce, IncrementsOfALinearFieldAreExact)
       u += 0.1 * (d + 2. * j + 1.) * x[j];
     return u;
   };
-  const ParticleIncrements increments =
-      interpolate_increments<dim>(this->block.parts->stencils, this->block.parts->nodal(linear));
+  const ParticleIncrements increments = interpolate_increments<dim>(
+      this->block.particles.arrays(), this->block.parts->stencils, this->block.parts->nodal(linear));
   const auto f = on_host(increments.deformation_gradient);
   const auto u = on_host(increments.displacement);
   for (std::size_t p = 0; p < this->block.particles.ids().size(); ++p)

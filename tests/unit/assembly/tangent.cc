@@ -13,17 +13,18 @@ template <typename Dimension> class TangentMatrix : public testing::Test
 public:
   static constexpr int dim = Dimension::value;
 
-  void use(const MaterialType type, const bool stressed = true)
+  void use(const MaterialType type, const bool stressed = true, const bool f_bar = false)
   {
     block = std::make_unique<test::Block<dim>>(type, MPI_COMM_WORLD, stressed);
-    system = block->parts->make_system();
+    system = block->parts->make_system(f_bar);
+    cells = f_bar ? block->parts->cells : CellGroups{};
   }
 
   void assemble(const TpetraVector& increment)
   {
     system->clear_matrix();
     add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, system->spread(increment),
-                     system->graph(), system->values());
+                     system->graph(), system->values(), cells);
     system->finish_matrix();
   }
 
@@ -47,8 +48,8 @@ public:
       TpetraVector ahead(increment, Teuchos::Copy), behind(increment, Teuchos::Copy);
       ahead.update(step, change, 1.);
       behind.update(-step, change, 1.);
-      TpetraVector difference = test::internal_force(*block, *system, ahead);
-      difference.update(-0.5 / step, test::internal_force(*block, *system, behind), 0.5 / step);
+      TpetraVector difference = test::internal_force(*block, *system, ahead, cells);
+      difference.update(-0.5 / step, test::internal_force(*block, *system, behind, cells), 0.5 / step);
       const TpetraVector product = times(change);
       difference.update(-1., product, 1.);
       worst = std::max(worst, difference.normInf() / product.normInf());
@@ -71,6 +72,7 @@ public:
 
   std::unique_ptr<test::Block<dim>> block;
   std::unique_ptr<System> system;
+  CellGroups cells; ///< empty without F-bar
 };
 
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -91,6 +93,22 @@ TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForce)
   EXPECT_GT(plastic, this->block->particles.n_global() / 10);
   EXPECT_LT(plastic, this->block->particles.n_global());
   EXPECT_EQ(tensile, 0); // an apex would keep a residual stiffness that differences do not see
+}
+
+TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheElasticForceWithFBar)
+{
+  this->use(MaterialType::elastic, true, true);
+  EXPECT_LT(this->error_against_differences(0.1), 1e-6);
+}
+
+TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForceWithFBar)
+{
+  this->use(MaterialType::mohr_coulomb, true, true);
+  EXPECT_LT(this->error_against_differences(5e-3), 1e-6);
+  const auto [plastic, tensile] = this->count_plastic_and_tensile();
+  EXPECT_GT(plastic, this->block->particles.n_global() / 10);
+  EXPECT_LT(plastic, this->block->particles.n_global());
+  EXPECT_EQ(tensile, 0);
 }
 
 TYPED_TEST(TangentMatrix, SeesNoRigidBodyModesWithoutStress)
@@ -120,10 +138,12 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
   const TpetraVector product = this->times(this->block->parts->owned(*this->system, direction));
 
   const test::Block<dim> serial(MaterialType::mohr_coulomb, MPI_COMM_SELF);
-  const auto deformation =
-      on_host(interpolate_increments<dim>(serial.parts->stencils, serial.parts->nodal(increment)).deformation_gradient);
-  const auto strain =
-      on_host(interpolate_increments<dim>(serial.parts->stencils, serial.parts->nodal(direction)).deformation_gradient);
+  const auto deformation = on_host(
+      interpolate_increments<dim>(serial.particles.arrays(), serial.parts->stencils, serial.parts->nodal(increment))
+          .deformation_gradient);
+  const auto strain = on_host(
+      interpolate_increments<dim>(serial.particles.arrays(), serial.parts->stencils, serial.parts->nodal(direction))
+          .deformation_gradient);
   const ParticleArrays& arrays = serial.particles.arrays();
   const auto b = on_host(arrays.elastic_left_cauchy_green);
   const auto volume = on_host(arrays.initial_volume), young = on_host(arrays.young);

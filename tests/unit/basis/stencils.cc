@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/basis/active_nodes.h>
+#include <kedge/basis/cell_groups.h>
 #include <kedge/basis/gimp.h>
 #include <map>
 #include <set>
@@ -128,6 +129,29 @@ TYPED_TEST(Stencils, SortTheNodesOfEveryPattern)
   {
     ASSERT_TRUE(std::is_sorted(nodes.data() + begin(k), nodes.data() + begin(k + 1)));
     ASSERT_LE(begin(k + 1) - begin(k), set.max_nodes);
+  }
+}
+
+TYPED_TEST(Stencils, GroupTheParticlesOfACellWithAllTheNodesThatTheySee)
+{
+  const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
+  const CellGroups cells = group_by_cell(set, this->leaf);
+  const auto particle_begin = on_host(cells.particle_begin), node_begin = on_host(cells.node_begin);
+  const auto nodes = on_host(cells.nodes), pattern_of = on_host(set.pattern_of_particle);
+  const auto pattern_begin = on_host(set.pattern_node_begin), pattern_nodes = on_host(set.pattern_nodes);
+  EXPECT_EQ(cells.n_cells(), std::set<unsigned int>(this->leaf.begin(), this->leaf.end()).size());
+  EXPECT_EQ(particle_begin(cells.n_cells()), this->leaf.size());
+  for (std::size_t c = 0; c < cells.n_cells(); ++c)
+  {
+    std::set<unsigned int> seen;
+    for (unsigned int p = particle_begin(c); p < particle_begin(c + 1); ++p)
+    {
+      ASSERT_EQ(this->leaf[p], this->leaf[particle_begin(c)]);
+      seen.insert(pattern_nodes.data() + pattern_begin(pattern_of(p)),
+                  pattern_nodes.data() + pattern_begin(pattern_of(p) + 1));
+    }
+    const std::vector<unsigned int> expected(seen.begin(), seen.end());
+    ASSERT_EQ(std::vector<unsigned int>(nodes.data() + node_begin(c), nodes.data() + node_begin(c + 1)), expected);
   }
 }
 

@@ -17,7 +17,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
       "analysis", "solver", "output"}},
     {"domain", {"size", "gravity"}},
     {"material points",
-     {"extra capacity", "element size", "number of material points per element 1", "material size", "layers",
+     {"extra capacity", "element size", "number of material points per element 1", "material size", "layers", "F-bar",
       "initial stress"}},
     {"material points.material size", {"max", "min"}},
     {"material points.layers[]", {"thickness", "material"}},

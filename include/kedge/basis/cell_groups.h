@@ -1,0 +1,22 @@
+// The particles of a rank by the cell that holds them, for quantities that are averaged over cells.
+#pragma once
+
+#include <kedge/basis/stencil.h>
+#include <vector>
+
+namespace kedge
+{
+/// Cell c holds the particles particle_begin[c] .. particle_begin[c + 1], at least one. Together they see the nodes
+/// nodes[node_begin[c] .. node_begin[c + 1]), ascending.
+struct CellGroups
+{
+  View<unsigned int*> particle_begin;
+  View<unsigned int*> node_begin, nodes;
+
+  bool empty() const { return particle_begin.extent(0) == 0; }
+  std::size_t n_cells() const { return empty() ? 0 : particle_begin.extent(0) - 1; }
+};
+
+/// `leaf_of_particle` is that from which the stencils were built.
+CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle);
+} // namespace kedge

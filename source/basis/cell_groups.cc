@@ -1,0 +1,28 @@
+#include <algorithm>
+#include <kedge/basis/cell_groups.h>
+
+namespace kedge
+{
+CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle)
+{
+  const std::vector<unsigned int> pattern = download(stencils.pattern_of_particle);
+  const std::vector<unsigned int> pattern_begin = download(stencils.pattern_node_begin);
+  const std::vector<unsigned int> pattern_nodes = download(stencils.pattern_nodes);
+  std::vector<unsigned int> particle_begin{0}, node_begin{0}, nodes;
+  const std::size_t n = leaf_of_particle.size();
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end)
+  {
+    unsigned int last = pattern[begin]; // the patterns of a cell follow each other, beginning with that of its first
+    for (end = begin; end < n && leaf_of_particle[end] == leaf_of_particle[begin]; ++end)
+      last = std::max(last, pattern[end]);
+    nodes.insert(nodes.end(), pattern_nodes.begin() + pattern_begin[pattern[begin]],
+                 pattern_nodes.begin() + pattern_begin[last + 1]);
+    std::sort(nodes.begin() + node_begin.back(), nodes.end());
+    nodes.erase(std::unique(nodes.begin() + node_begin.back(), nodes.end()), nodes.end());
+    particle_begin.push_back(end);
+    node_begin.push_back(nodes.size());
+  }
+  return {upload(particle_begin, "cell particle begin"), upload(node_begin, "cell node begin"),
+          upload(nodes, "cell nodes")};
+}
+} // namespace kedge

@@ -1,0 +1,133 @@
+// F-bar: what it changes and what it leaves alone; its tangent is tested in tangent.cc.
+#include "block.h"
+#include <gtest/gtest.h>
+#include <kedge/assembly/volume_average.h>
+
+using namespace kedge;
+using test::on_host;
+
+namespace
+{
+template <typename Dimension> class FBar : public testing::Test
+{
+public:
+  static constexpr int dim = Dimension::value;
+  using Position = std::array<double, dim>;
+
+  FBar() : block(MaterialType::mohr_coulomb), system(block.parts->make_system(true)) {}
+
+  TpetraVector force(const typename test::Discretisation<dim>::Field& increment, const CellGroups& cells) const
+  {
+    return test::internal_force(block, *system, block.parts->owned(*system, increment), cells);
+  }
+  /// Change of the force by F-bar, over the force.
+  double change(const typename test::Discretisation<dim>::Field& increment) const
+  {
+    TpetraVector with = force(increment, block.parts->cells);
+    const TpetraVector without = force(increment, {});
+    with.update(-1., without, 1.);
+    return with.normInf() / without.normInf();
+  }
+  std::vector<double> factors(const typename test::Discretisation<dim>::Field& increment) const
+  {
+    return download(find_volume_factors<dim>(block.particles.arrays(), block.parts->stencils, block.parts->cells,
+                                             block.parts->nodal(increment)));
+  }
+
+  test::Block<dim> block;
+  std::unique_ptr<System> system;
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(FBar, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(FBar, ChangesNoForceOfALinearField)
+{
+  constexpr int dim = TypeParam::value;
+  const auto dilation = [](const std::array<double, dim>& x, const unsigned int d) { return 0.05 * x[d]; };
+  const auto shear = [](const std::array<double, dim>& x, const unsigned int d)
+  { return -0.01 * x[d] + (d == 0 ? 0.05 * x[1] : 0.); };
+  EXPECT_LT(this->change(dilation), 1e-12);
+  EXPECT_LT(this->change(shear), 1e-12);
+  EXPECT_GT(this->change(this->block.random_field(5e-3, 1)), 1e-3);
+}
+
+TYPED_TEST(FBar, ChangesNoForceInARotation)
+{
+  constexpr int dim = TypeParam::value;
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  const auto rotation = [&](const std::array<double, dim>& x, const unsigned int d) {
+    return d == 0 ? (c - 1.) * x[0] - s * x[1] : d == 1 ? s * x[0] + (c - 1.) * x[1] : 0.;
+  };
+  EXPECT_LT(this->change(rotation), 1e-12);
+}
+
+TYPED_TEST(FBar, GivesTheParticlesOfACellOneVolumeChangeAndKeepsItsVolume)
+{
+  constexpr int dim = TypeParam::value;
+  const ParticleArrays& arrays = this->block.particles.arrays();
+  const CellGroups& cells = this->block.parts->cells;
+  const NodalVector field = this->block.parts->nodal(this->block.random_field(0.1, 1));
+  const auto deformation = [&](const CellGroups& groups)
+  {
+    return on_host(
+        interpolate_increments<dim>(arrays, this->block.parts->stencils, field, groups).deformation_gradient);
+  };
+  const auto averaged = deformation(cells), own = deformation({});
+  const auto volume = on_host(arrays.initial_volume);
+  const auto determinant_of = [](const auto& f, const std::size_t p)
+  {
+    Eigen::Matrix3d dF;
+    for (int i = 0; i < 9; ++i)
+      dF(i / 3, i % 3) = f(p, i);
+    return determinant(dF);
+  };
+  const auto begin = on_host(cells.particle_begin);
+  double spread = 0.;
+  for (std::size_t c = 0; c < cells.n_cells(); ++c)
+  {
+    double before = 0., after = 0.;
+    for (unsigned int p = begin(c); p < begin(c + 1); ++p)
+    {
+      ASSERT_EQ(this->block.particles.leaves()[p], this->block.particles.leaves()[begin(c)]);
+      ASSERT_NEAR(determinant_of(averaged, p), determinant_of(averaged, begin(c)), 1e-13);
+      ASSERT_EQ(averaged(p, 8) == 1., dim == 2);
+      spread = std::max(spread, std::abs(determinant_of(own, p) - determinant_of(averaged, p)));
+      before += volume(p) * determinant_of(own, p);
+      after += volume(p) * determinant_of(averaged, p);
+    }
+    ASSERT_NEAR(after, before, 1e-13 * before);
+  }
+  EXPECT_GT(max_over_ranks(spread, MPI_COMM_WORLD), 0.01);
+}
+
+TYPED_TEST(FBar, LeavesInvertedParticlesOutOfTheMean)
+{
+  // the neighbours of one node pulled far away: some particles are inverted, the others of their cells keep a mean
+  constexpr int dim = TypeParam::value;
+  const auto pulled = [](const std::array<double, dim>& x, const unsigned int d)
+  {
+    double distance = 0.;
+    for (const double y : x)
+      distance += std::abs(y - 0.3);
+    return d == 0 && distance < 1e-9 ? 3. : 0.;
+  };
+  long long unscaled = 0, scaled = 0;
+  for (const double factor : this->factors(pulled))
+  {
+    ASSERT_TRUE(std::isfinite(factor) && factor > 0.);
+    (factor == 1. ? unscaled : scaled) += 1;
+  }
+  EXPECT_GT(sum_over_ranks(unscaled, MPI_COMM_WORLD), 0);
+  EXPECT_GT(sum_over_ranks(scaled, MPI_COMM_WORLD), 0);
+  const NodalVector force = this->system->make_nodal_vector();
+  const NodalVector increment = this->system->spread(this->block.parts->owned(*this->system, pulled));
+  const unsigned long inverted =
+      update_stress_and_force<dim>(this->block.particles.arrays(), this->block.parts->stencils, this->block.materials,
+                                   increment, force, this->block.parts->cells);
+  const unsigned long expected = update_stress_and_force<dim>(
+      this->block.particles.arrays(), this->block.parts->stencils, this->block.materials, increment, force);
+  EXPECT_EQ(inverted, expected);
+  EXPECT_GT(sum_over_ranks(static_cast<long long>(inverted), MPI_COMM_WORLD), 0);
+}
