@@ -16,7 +16,7 @@ using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNod
 using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
-constexpr std::size_t always_direct_below = 6000; // dofs: a factorisation beats any set-up
+constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
 constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
 constexpr double almost_zero =
     1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
