@@ -178,11 +178,12 @@ std::vector<Group<dim>> find_groups(ParticleSet<dim>& particles, const typename 
   }
   std::vector<Group<dim>> result;
   for (auto& entry : groups)
+  {
     std::sort(entry.second.begin(), entry.second.end(),
               [](const auto& a, const auto& b) { return a->get_id() < b->get_id(); });
-  for (const auto& entry : groups)
     if (Group<dim> group = select_smallest<dim>(entry.second, width_tolerance * box); group.size() > 1)
       result.push_back(std::move(group));
+  }
   return result;
 }
 

@@ -13,7 +13,7 @@ namespace kedge
 {
 namespace
 {
-// Measured on one core with eight particles a cell that see 27 nodes; see benchmarks/speed.
+// Means of the cone and plate scenes on one core that other programs shared; benchmarks/speed has the kernels alone.
 constexpr double newton_iterations = 15.;     // elastic soil takes 3, plastic soil in contact 7 to 25
 constexpr double seconds_per_particle = 8e-6; ///< and Newton iteration: stress, tangent, scatter
 constexpr double seconds_per_dof = 15e-6;     ///< and Newton iteration: linear solver
