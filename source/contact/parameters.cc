@@ -15,8 +15,10 @@ Section<ContactParameters> contact_section()
                    choice<ContactMethod>({{"penalty", ContactMethod::penalty},
                                           {"augmented lagrangian", ContactMethod::augmented_lagrangian}}),
                    "Penalty springs alone, or with multipliers that take out the penetration");
-  section.optional("normal penalty factor", &P::normal_penalty_factor, number("-", positive()),
-                   "Normal contact stiffness over that of the material point");
+  section.optional(
+      "normal penalty factor", &P::normal_penalty_factor, number("-", positive()),
+      "Normal contact stiffness over that of the material point; about 50 on elastic soil, where more would only "
+      "make contacts chatter if it yields");
   section.optional("tangential penalty factor", &P::tangential_penalty_factor, number("-", positive()),
                    "Sticking stiffness over that of the material point");
   section

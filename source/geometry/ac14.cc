@@ -15,6 +15,8 @@ using Eigen::Vector2d;
 
 /// Rounding of every convex edge is at least this, m: half a material point of 0.05 m.
 constexpr double least_radius = 0.025;
+/// Coarser triangles leave sharp edges on the ridges of the palms, m.
+constexpr double largest_size_on_palms = 0.04;
 
 /// Cubic step from 0 at `from` to 1 at `to`, which may lie on either side.
 double smooth_step(double from, double to, double x)
@@ -77,22 +79,29 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
   require_mesh(mesh);
   const double w = fluke.crown_width / 2., s = fluke.slot_width / 2., length = fluke.length, x0 = length / 1.7;
   const auto rim_width = [=](const Vector2d& p) { return 0.12 - 0.065 * p[0] / length; };
-  const Planform planform = triangulate_outline({fluke_outline(fluke, mesh)}, rim_width, mesh.size, mesh.segments);
+  const double size = std::min(mesh.size, largest_size_on_palms);
+  const Planform planform = triangulate_outline({fluke_outline(fluke, mesh)}, rim_width, size, mesh.segments);
 
-  // The crown: a wedge that falls off to the flukes, higher where the palms are than between them.
+  // The crown: a wedge that falls off to the flukes.
   const auto crown = [=](const Vector2d& p)
-  {
-    const double along = smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]);
-    const double palms = smooth_step(s, s + 0.25, std::abs(p[1])) * smooth_step(w + 0.1, w - 0.25, std::abs(p[1]));
-    return along * (0.5 + 0.5 * palms);
-  };
+  { return smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]); };
   const auto flukes = [=](const Vector2d& p)
   {
-    const double thinning = 1. - 0.6 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
+    const double thinning = 1. - 0.7 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
     return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
   };
-  return thicken(planform, fit_half_thickness(planform, crown, flukes, {fluke.mass / steel_density, fluke.centroid},
-                                              rim_width, least_radius));
+  // The tripping palms: a ridge along each half of the crown, which the anchor comes to rest on, tips down.
+  const auto palms = [=](const Vector2d& p)
+  {
+    const double y = std::abs(p[1]);
+    return fluke.palm_height * smooth_step(0.03 * x0, 0.26 * x0, p[0]) * smooth_step(0.57 * x0, 0.3 * x0, p[0]) *
+           smooth_step(s, s + 0.25, y) * smooth_step(w, w - 0.25, y);
+  };
+  const Eigen::Vector2d given = volume_and_moment(planform, palms);
+  const double volume = fluke.mass / steel_density;
+  const SolidShare rest{volume - given[0], (volume * fluke.centroid - given[1]) / (volume - given[0])};
+  const PlaneFunction body = fit_half_thickness(planform, crown, flukes, rest, rim_width, least_radius);
+  return thicken(planform, [=](const Vector2d& p) { return body(p) + palms(p); });
 }
 
 TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh)

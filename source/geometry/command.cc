@@ -1,6 +1,7 @@
 #include <kedge/geometry/command.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <kedge/base/report.h>
@@ -53,6 +54,9 @@ std::string describe(const TriangleMesh& mesh, const Target& target)
   std::string text = fmt::format("{}: {} triangles\n", target.file, mesh.triangles.size());
   text += fmt::format("  extent    {:.6g} to {:.6g}, {:.6g} to {:.6g}, {:.6g} to {:.6g} m\n", lower[0], upper[0],
                       lower[1], upper[1], lower[2], upper[2]);
+  const double sharpest = Surface(mesh).sharpest_edge_radius();
+  text += std::isinf(sharpest) ? "  edges     none\n"
+                               : fmt::format("  edges     rounded with {:.3g} m or more\n", sharpest);
   text += fmt::format("  volume    {:.6g} m3\n  area      {:.6g} m2\n", properties.volume, properties.area);
   text += fmt::format("  centroid  ({:.6g}, {:.6g}, {:.6g}) m\n", c[0], c[1], c[2]);
   text += "  inertia tensor about the centroid per unit density, m5" + inertia(1.);
@@ -175,6 +179,7 @@ void add_ac14(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
       ->capture_default_str();
   add_length(ac14, "--crown-width", d->fluke.crown_width, "width of the crown; thickness follows from the mass [m]");
   add_length(ac14, "--slot-width", d->fluke.slot_width, "width of the slot between the flukes [m]");
+  add_length(ac14, "--palm-height", d->fluke.palm_height, "height of the tripping palms over the crown [m]");
   add_length(ac14, "--eye-radius", d->shank.eye_radius, "radius of the hole in the shank's eye; 0: none [m]");
   add_length(ac14, "--size", d->part_mesh.size, "edges of the triangles on flat sides [m]");
   ac14.add_option("--edge-segments", d->part_mesh.segments, "facets over a quarter turn of roundings")

@@ -18,8 +18,8 @@ struct ContactParameters
 {
   double friction_coefficient = 0.;
   ContactMethod method = ContactMethod::penalty;
-  double normal_penalty_factor = 50.;
-  double tangential_penalty_factor = 25.;
+  double normal_penalty_factor = 5.;
+  double tangential_penalty_factor = 2.5;
   double penetration_tolerance = 1e-3; ///< augmented Lagrangian: share of a material point's size
 };
 

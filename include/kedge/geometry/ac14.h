@@ -12,12 +12,12 @@ constexpr double steel_density = 7850.; ///< kg/m3
 /// Mesh of a part of the anchor.
 struct PartMesh
 {
-  double size = 0.06;        ///< edges of the triangles on the flat sides, m
+  double size = 0.06; ///< edges of the triangles on the flat sides, m; 0.04 m at most on the fluke, whose palms bend
   unsigned int segments = 4; ///< facets over a quarter turn of roundings
 };
 
-/// Crown and flukes in one piece, whole (both sides of y = 0), tips towards +x. Its thickness follows from mass and
-/// centroid: a crown with palms on top of flukes that thin towards their tips.
+/// Crown, palms and flukes in one piece, whole (both sides of y = 0), tips towards +x. Thickness follows from mass and
+/// centroid: a crown and flukes that thin towards their tips share what the palms leave.
 struct Ac14Fluke
 {
   double mass = 6583.2;     ///< kg
@@ -26,6 +26,7 @@ struct Ac14Fluke
   double crown_width = 2.2; ///< across y, m
   double slot_width = 0.4;  ///< between the flukes, m
   double slot_start = 0.62; ///< x where the slot ends in the crown, m
+  double palm_height = 0.3; ///< of the tripping palms over the crown, on either side of z = 0, m
 };
 
 /// Shank with foot and eye, turning about (pivot, y, 0). Its thickness across y follows from mass and centroid.

@@ -52,7 +52,10 @@ template <int dim> struct PressedBlock
   }
 
   /// N/m of one corner under the default penalty factors.
-  static double normal_stiffness() { return 50. * young * std::pow(spacing, dim - 2) * (dim == 3 ? 0.25 : 0.5); }
+  static double normal_stiffness()
+  {
+    return ContactParameters().normal_penalty_factor * young * std::pow(spacing, dim - 2) * (dim == 3 ? 0.25 : 0.5);
+  }
   static double tangential_stiffness() { return 0.5 * normal_stiffness(); }
 
   /// Corners under the box: five places along each horizontal axis, each shared by two particles.
