@@ -40,6 +40,7 @@ def parser():
     section.add_argument("--limits", type=float, nargs=2, metavar=("MIN", "MAX"), help="of the colours, in drawn units")
     section.add_argument("--window", type=float, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
                          help="part of the plane to show [m]")
+    section.add_argument("--mesh", action="store_true", help="draw the cells, too")
     section.add_argument("--area-above", type=float, metavar="VALUE",
                          help="print the area where the field exceeds VALUE (SI), on either side of the body's middle")
     return options
@@ -110,7 +111,8 @@ def _plot_section(run, target, options, caption):
     from .figures import draw_section
 
     grids, step = run.soil(options.step)
-    section = cut(grids, run.surface(step), options.plane, options.at, options.field)
+    mesh = run.mesh(step) if options.mesh else None
+    section = cut(grids, run.surface(step), options.plane, options.at, options.field, mesh)
     name = options.field.replace(" ", "_")
     path = target / f"section_{options.plane}_{name}_{step:05d}.png"
     draw_section(section, path, options.field, f"Step {step}, {options.plane} = {options.at:g} m", options.limits,

@@ -69,6 +69,13 @@ class Run:
         files = {number: path for number, path in self._files("surface") if number <= step}
         return read_grid(files[max(files)]) if files else None
 
+    def mesh(self, step):
+        """The active cells at a step."""
+        files = dict(self._files("mesh"))
+        if step not in files:
+            raise PlotError(f"{self.folder}: holds no mesh of step {step}")
+        return read_grid(files[step])
+
     def _files(self, series):
         """Step and path of every whole file of a series; of a file in pieces only the .pvtu."""
         name = re.compile(re.escape(series) + r"_(\d+)\.p?vtu")

@@ -1,5 +1,5 @@
 """A plane section through the material points and the bodies."""
-from dataclasses import dataclass
+from dataclasses import dataclass, field as dataclass_field
 
 import numpy as np
 
@@ -11,21 +11,23 @@ _COMPONENTS = {3: ["x", "y", "z"], 6: ["xx", "yy", "zz", "xy", "yz", "xz"], 9: [
 
 @dataclass
 class Section:
-    """Rectangles (lower and upper corner in the two axes of the plane, m), a value for each, and the bodies' outline as
-    segments (n, 2 ends, 2 coordinates)."""
+    """Rectangles (lower and upper corner in the two axes of the plane, m), a value for each, the bodies' outline as
+    segments (n, 2 ends, 2 coordinates), and the cells of the mesh (n, lower and upper corner, 2 coordinates)."""
     axes: str
     lower: np.ndarray
     upper: np.ndarray
     values: np.ndarray
     outline: np.ndarray
+    cells: np.ndarray = dataclass_field(default_factory=lambda: np.empty((0, 2, 2)))
 
     def areas(self):
         """Area of each rectangle, m2."""
         return np.prod(self.upper - self.lower, axis=1)
 
 
-def cut(grids, surface, plane, at, field):
-    """Cuts boxes and surfaces by the plane where the coordinate `plane` (x, y or z) has the value `at` (m)."""
+def cut(grids, surface, plane, at, field, mesh=None):
+    """Cuts boxes, surfaces and the mesh, if given, by the plane where the coordinate `plane` (x, y or z) has the value
+    `at` (m)."""
     normal = "xyz".index(plane)
     kept = [i for i in range(3) if i != normal]
     lower, upper, values = [], [], []
@@ -42,7 +44,11 @@ def cut(grids, surface, plane, at, field):
                    f"{max(b[1][:, normal].max() for b in extent):.6g} m") if extent else ""
         raise PlotError(f"the plane {plane} = {at:g} m meets no material point{between}")
     outline = np.empty((0, 2, 2)) if surface is None else _outline(surface, normal, at)[:, :, kept]
-    return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline)
+    section = Section("".join("xyz"[i] for i in kept), lower, upper, values, outline)
+    if mesh is not None:
+        corners = np.stack(_boxes(mesh), axis=1)
+        section.cells = corners[_crossing((corners[:, 0], corners[:, 1]), normal, at)][:, :, kept]
+    return section
 
 
 def _boxes(grid):

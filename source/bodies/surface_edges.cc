@@ -97,9 +97,20 @@ bool has_sharp_convex_vertex(const TriangleMesh& mesh, const std::vector<Eigen::
 }
 } // namespace
 
-double Surface::sharpest_edge_radius() const
+double rounding_radius(const double angle, const double half_width_0, const double half_width_1)
 {
   constexpr double flat = 5. * M_PI / 180., sharp = 60. * M_PI / 180., much_wider = 3.;
+  if (angle < flat)
+    return std::numeric_limits<double>::infinity();
+  if (angle > sharp)
+    return 0.;
+  const double narrow = std::min(half_width_0, half_width_1), wide = std::max(half_width_0, half_width_1);
+  const double turned_over = wide > much_wider * narrow ? narrow : narrow + wide;
+  return turned_over / (2. * std::sin(angle / 2.));
+}
+
+double Surface::sharpest_edge_radius() const
+{
   const std::vector<Eigen::Vector3d> normals = face_normals(mesh());
   const std::vector<SurfaceEdge> edges = surface_edges(mesh(), normals);
   if (has_sharp_convex_vertex(mesh(), normals, edges))
@@ -107,17 +118,9 @@ double Surface::sharpest_edge_radius() const
   const FlatNeighbours across = flat_neighbours(mesh(), edges);
   double smallest = std::numeric_limits<double>::infinity();
   for (const SurfaceEdge& edge : edges)
-  {
-    if (edge.angle < flat)
-      continue;
-    if (edge.angle > sharp)
-      return 0.;
-    const double d0 = half_width(mesh(), across, edge.triangles[0], edge.sides[0]),
-                 d1 = half_width(mesh(), across, edge.triangles[1], edge.sides[1]), narrow = std::min(d0, d1),
-                 wide = std::max(d0, d1);
-    const double turned_over = wide > much_wider * narrow ? narrow : narrow + wide;
-    smallest = std::min(smallest, turned_over / (2. * std::sin(edge.angle / 2.)));
-  }
+    smallest =
+        std::min(smallest, rounding_radius(edge.angle, half_width(mesh(), across, edge.triangles[0], edge.sides[0]),
+                                           half_width(mesh(), across, edge.triangles[1], edge.sides[1])));
   return smallest;
 }
 } // namespace kedge

@@ -17,6 +17,10 @@ struct SurfaceEdge
 /// Unit outward normal of every triangle.
 std::vector<Eigen::Vector3d> face_normals(const TriangleMesh& mesh);
 
+/// Radius of the rounding that an edge is a facet's end of, or 0 where it is sharp: see Surface::sharpest_edge_radius.
+/// Infinite where the edge does not count. `angle` in rad, convex positive; half widths of the two faces in m.
+double rounding_radius(double angle, double half_width_0, double half_width_1);
+
 /// All edges, each once. The mesh must be closed.
 std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& normals);
 } // namespace kedge

@@ -1,8 +1,10 @@
+#include "surface_edges.h"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <kedge/base/exceptions.h>
-#include <kedge/bodies/surface.h>
+#include <limits>
 #include <numeric>
 
 namespace kedge
@@ -81,6 +83,23 @@ void check_outline(const std::vector<Point>& outline, const std::string& json_pa
   }
 }
 } // namespace
+
+double sharpest_corner_radius(const std::vector<Point>& outline)
+{
+  const std::size_t n = outline.size();
+  double area = 0., smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < n; ++i)
+    area += turn(outline[0], outline[i], outline[(i + 1) % n]);
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const Point &a = outline[(i + n - 1) % n], &b = outline[i], &c = outline[(i + 1) % n];
+    const double in[2] = {b[0] - a[0], b[1] - a[1]}, out[2] = {c[0] - b[0], c[1] - b[1]};
+    const double angle = std::atan2(std::copysign(1., area) * turn(a, b, c), in[0] * out[0] + in[1] * out[1]);
+    smallest =
+        std::min(smallest, rounding_radius(angle, std::hypot(in[0], in[1]) / 2., std::hypot(out[0], out[1]) / 2.));
+  }
+  return smallest;
+}
 
 TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::string& json_path)
 {

@@ -57,9 +57,9 @@ OutlineChains shank_outline(const Ac14Shank& shank, const PartMesh& mesh)
 {
   const double end = shank.start + shank.length;
   OutlineChains chains{make_outline_chain({{{shank.start, 0.}, 0.},
-                                           {{shank.start, 0.13}, 0.125},
-                                           {{shank.pivot + 0.15, 0.2}, 0.5},
-                                           {{shank.eye - 0.45, 0.13}, 0.4},
+                                           {{shank.start, 0.16}, 0.15},
+                                           {{shank.pivot + 0.15, 0.24}, 0.5},
+                                           {{shank.eye - 0.45, 0.15}, 0.4},
                                            {{shank.eye - 0.15, 0.25}, 0.25},
                                            {{shank.eye + 0.13, 0.25}, 0.25},
                                            {{end, 0.14}, 0.13},

@@ -21,8 +21,6 @@ void refuse_in_stage(const Stage& stage, const std::string& path)
 
 void refuse_unavailable_features(const Input& input)
 {
-  if (input.dimension == 2)
-    refuse("dimension", "plane strain", "set it to 3 and model a slice one cell thick between rollers");
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     refuse_in_stage(input.stages[i], entry("analysis", i));
 }

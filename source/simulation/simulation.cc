@@ -125,8 +125,13 @@ template <int dim> void Simulation<dim>::warn_of_sharp_edges()
 {
   const double particle = mesh.layout().finest_size / input.material_points.points_per_axis;
   constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
-  for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
-    if (const double radius = bodies.surfaces[i].surface.sharpest_edge_radius(); radius < facets * 0.5 * particle)
+  std::vector<double> radii;
+  for (const SystemParameters& system : input.systems)
+    for (const SurfaceParameters& surface : system.surfaces)
+      radii.push_back(dim == 3 ? bodies.surfaces[radii.size()].surface.sharpest_edge_radius()
+                               : sharpest_corner_radius(surface.outline));
+  for (std::size_t i = 0; i < radii.size(); ++i)
+    if (const double radius = radii[i]; radius < facets * 0.5 * particle)
       log.report().warn(
           fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
                       "soil may slip past them; round them, as kedge geometry --edge-radius does",

@@ -64,6 +64,9 @@ void write_stl(const TriangleMesh& mesh, const std::string& file);
 /// with `json_path` in front where the polygon is degenerate or crosses itself.
 TriangleMesh extrude_outline(const std::vector<std::array<double, 2>>& outline, const std::string& json_path);
 
+/// Surface::sharpest_edge_radius of the corners of an outline, m: the end caps of its prism are not in the way of soil.
+double sharpest_corner_radius(const std::vector<std::array<double, 2>>& outline);
+
 /// Part of the surface that holds a closest point. Edges flatter than 1e-3 rad, and vertices between such edges only,
 /// are part of a face; a vertex inside a straight edge is part of that edge.
 enum class Feature

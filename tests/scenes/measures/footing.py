@@ -1,4 +1,5 @@
-"""A smooth strip footing on a slice of soil between rollers."""
+"""A smooth strip footing, on a slice of soil between rollers or in plane strain."""
+import math
 
 
 def _pressing_force(run):
@@ -12,3 +13,18 @@ def _pressing_force(run):
 def excess(coarse, fine):
     """Force of the first run over that of the second, less one."""
     return _pressing_force(coarse) / _pressing_force(fine) - 1.
+
+
+def prandtl_excess(run):
+    """Load at the end over Prandtl's (1920) limit (2 + pi) c of a strip on clay without friction, less one; half model
+    in plane strain, per metre of length."""
+    width = max(x for x, _ in run.input["rigid bodies"][0]["outline"][0]["polygon"])
+    layer, = run.input["material points"]["layers"]
+    cohesion = layer["material"]["yield stress"] / math.sqrt(3.)
+    return -run.body("body1_reaction force_z")[-1] / ((2. + math.pi) * cohesion * width) - 1.
+
+
+def last_rise(run):
+    """How much the load grows over the last tenth of the way, relative to its end."""
+    load = run.body("body1_reaction force_z")
+    return 1. - load[-1 - len(load) // 10] / load[-1]

@@ -1,5 +1,6 @@
 #include "shapes.h"
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
@@ -224,14 +225,16 @@ TEST(Surface, EdgeRadiusOfAPolygonalCylinderIsItsRadius)
   std::vector<std::array<double, 2>> circle;
   for (int i = 0; i < 32; ++i)
     circle.push_back({0.1 * std::cos(M_PI * i / 16.), 0.1 * std::sin(M_PI * i / 16.)});
-  TriangleMesh mesh = extrude_outline(circle, "outline");
-  // The rims of the end caps are sharp: keep the wall only, whose rim then has no second triangle.
-  std::vector<std::array<unsigned int, 3>> wall;
-  for (const auto& [a, b, c] : mesh.triangles)
-    if (!((a < 32 && b < 32 && c < 32) || (a >= 32 && b >= 32 && c >= 32)))
-      wall.push_back({a, b, c});
-  mesh.triangles = wall;
-  EXPECT_NEAR(Surface(mesh).sharpest_edge_radius(), 0.1, 1e-3);
+  EXPECT_NEAR(sharpest_corner_radius(circle), 0.1, 1e-3);
+  std::reverse(circle.begin(), circle.end());
+  EXPECT_NEAR(sharpest_corner_radius(circle), 0.1, 1e-3);
+  // with its end caps the prism is sharp
+  EXPECT_EQ(Surface(extrude_outline(circle, "outline")).sharpest_edge_radius(), 0.);
+}
+
+TEST(Surface, SharpCornerOfAnOutlineHasNoRadius)
+{
+  EXPECT_EQ(sharpest_corner_radius({{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}}), 0.);
 }
 
 TEST(MassProperties, BoxAwayFromTheOriginIsExact)

@@ -1,0 +1,90 @@
+"""Tables and charts of the drag-anchor runs."""
+import csv
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from kedge_plot.figures import draw_section
+from kedge_plot.section import cut, evaluate
+
+NEWTON = {"residual", "tangent", "linear solver"}
+SECTION_AT = 0.55  # m, through the middle of a fluke
+
+
+def write_table(trajectories, path):
+    """One line per run: the end of the drag and what it cost."""
+    rows = []
+    for mesh, anchor in trajectories.items():
+        summary = anchor.run.summary()
+        stages = summary.get("stages", [])
+        drag = stages[-1] if len(stages) == 3 else {}
+        time = summary.get("wall time", {})
+        total, phases = time.get("total", np.nan), time.get("phases", {})
+        outside = sum(value for name, value in phases.items() if name not in NEWTON)
+        rows.append({"mesh": mesh, "dragged / m": f"{anchor.distance[-1]:.2f}", "finished": anchor.finished,
+                     "depth of the fluke's centre / m": f"{anchor.centre_depth[-1]:.3f}",
+                     "depth of the tips / m": f"{anchor.tip_depth[-1]:.3f}",
+                     "line force / kN": f"{1e-3 * anchor.mean_force()[-1]:.1f}",
+                     "fluke angle / deg": f"{anchor.fluke_angle[-1]:.1f}",
+                     "shank angle / deg": f"{anchor.shank_angle[-1]:.1f}", "steps": drag.get("steps", ""),
+                     "cuts": drag.get("cuts", ""), "newton iterations": drag.get("newton iterations", ""),
+                     "material points": drag.get("material points", ""), "dofs": drag.get("dofs", ""),
+                     "ranks": summary.get("ranks", ""), "time / s": f"{total:.0f}",
+                     "time outside Newton / %": f"{100. * outside / total:.0f}"})
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def write_curves(trajectories, path, every=0.02):
+    """The trajectories every `every` m."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["mesh", "drag / m", "depth of the fluke's centre / m", "depth of the tips / m", "line force / N",
+                         "fluke angle / deg", "shank angle / deg"])
+        for mesh, anchor in trajectories.items():
+            for distance in np.arange(every, anchor.distance[-1], every):
+                values = (anchor.centre_depth, anchor.tip_depth, anchor.line_force, anchor.fluke_angle, anchor.shank_angle)
+                writer.writerow([mesh, f"{distance:.3f}", *(f"{anchor.at(v, distance):.5g}" for v in values)])
+
+
+def draw_trajectories(trajectories, path):
+    figure, panels = plt.subplots(3, 1, figsize=(8., 8.), sharex=True)
+    for number, (mesh, anchor) in enumerate(trajectories.items()):
+        colour, label = f"C{number}", f"cells of {mesh}"
+        panels[0].plot(anchor.distance, anchor.centre_depth, color=colour, label=label)
+        panels[0].plot(anchor.distance, anchor.tip_depth, "--", color=colour)
+        panels[1].plot(anchor.distance, 1e-3 * anchor.line_force, color=colour, linewidth=0.4, alpha=0.5)
+        panels[1].plot(anchor.distance, 1e-3 * anchor.mean_force(), color=colour, label=label)
+        panels[2].plot(anchor.distance, anchor.fluke_angle, color=colour, label=label)
+        panels[2].plot(anchor.distance, anchor.shank_angle, ":", color=colour)
+    panels[0].invert_yaxis()
+    for panel, text in zip(panels, ("depth / m\n(full: fluke's centre, dashed: tips)", "line force / kN\n(mean over 0.2 m)",
+                                    "angle / deg, upwards\n(full: fluke, dotted: shank)")):
+        panel.set_ylabel(text)
+        panel.grid(linewidth=0.3)
+    panels[0].legend(fontsize=8)
+    panels[2].set_xlabel("drag distance / m")
+    figure.tight_layout()
+    figure.savefig(path, dpi=100)
+    plt.close(figure)
+
+
+def draw_sections(trajectories, folder, stem, distances=(0., 1., 3., 5., 10., 19.)):
+    """Soil and fluke of the last mesh, at the outputs nearest to these drag distances."""
+    mesh, anchor = list(trajectories.items())[-1]
+    written = [step for step in anchor.run.steps() if step >= anchor.steps[0] - 1]
+    at = np.interp(written, anchor.steps, anchor.distance)
+    for distance in distances:
+        if not written or distance > anchor.distance[-1] + 0.2:
+            continue
+        step = written[int(np.argmin(abs(at - distance)))]
+        grids, _ = anchor.run.soil(step)
+        section = cut(grids, anchor.run.surface(step), "y", SECTION_AT, "displacement magnitude", anchor.run.mesh(step))
+        centre = float(np.interp(step, anchor.steps, anchor.distance)) + 2.2
+        draw_section(section, folder / f"section-{stem}-at-{distance:g}m.png", "displacement magnitude",
+                     f"{mesh}, y = {SECTION_AT:g} m, after {np.interp(step, anchor.steps, anchor.distance):.1f} m",
+                     window=(centre - 3., centre + 5., 15.5, 19.5))
