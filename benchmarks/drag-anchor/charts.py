@@ -74,8 +74,8 @@ def draw_trajectories(trajectories, path):
 
 
 def draw_sections(trajectories, folder, stem, distances=(0., 1., 3., 5., 10., 19.)):
-    """Soil and fluke of the last mesh, at the outputs nearest to these drag distances."""
-    mesh, anchor = list(trajectories.items())[-1]
+    """Soil, fluke and cells of the run that came farthest, at the outputs nearest to these drag distances."""
+    mesh, anchor = max(trajectories.items(), key=lambda item: item[1].distance[-1])
     written = [step for step in anchor.run.steps() if step >= anchor.steps[0] - 1]
     at = np.interp(written, anchor.steps, anchor.distance)
     for distance in distances:
