@@ -14,6 +14,15 @@ using namespace kedge;
 
 namespace
 {
+/// A smooth blade, hard enough for elastic soil not to give way to it.
+ContactParameters stiff_contact()
+{
+  ContactParameters parameters;
+  parameters.normal_penalty_factor = 50.;
+  parameters.tangential_penalty_factor = 25.;
+  return parameters;
+}
+
 /// Elastic soil of 12 (by 2) by 2 cells of 0.5 m under its initial stress, and a blade across it, almost down to
 /// mid-depth and clear of the soil below and behind, that is dragged along x.
 template <int dim> struct Drag
@@ -22,7 +31,7 @@ template <int dim> struct Drag
   static constexpr unsigned int points_per_axis = 2;
   using Position = std::array<double, dim>;
 
-  Drag() : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(ContactParameters(), MPI_COMM_WORLD)
+  Drag() : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(stiff_contact(), MPI_COMM_WORLD)
   {
     const FaceCondition free = FaceCondition::free, roller = FaceCondition::roller, fixed = FaceCondition::fixed;
     input.gravity = {{0., dim == 3 ? 0. : -10., dim == 3 ? -10. : 0.}};

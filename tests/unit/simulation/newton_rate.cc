@@ -62,6 +62,8 @@ struct Footing
   {
     ContactParameters parameters;
     parameters.friction_coefficient = friction;
+    parameters.normal_penalty_factor = 50.;
+    parameters.tangential_penalty_factor = 25.;
     return parameters;
   }
 
