@@ -49,7 +49,7 @@ Section<MaterialPointParameters> material_points_section()
   section.required("layers", &P::layers, list_of(object_of(layer_section()), 1), "Soil layers from the surface down");
   section.optional("F-bar", &P::f_bar, on_off(),
                    "The material points of a cell share its mean change of volume: against locking where soil flows "
-                   "and keeps its volume");
+                   "and keeps its volume; not for soil that dilates");
   section.group("initial stress", Key::Presence::optional, initial_stress_section(),
                 "Stress before the first stage; without it the soil starts free of stress");
   return section;
