@@ -7,9 +7,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from kedge_plot.figures import draw_section
-from kedge_plot.section import cut, evaluate
+from kedge_plot.section import cut
 
-NEWTON = {"residual", "tangent", "linear solver"}
 SECTION_AT = 0.55  # m, through the middle of a fluke
 
 
@@ -20,9 +19,6 @@ def write_table(trajectories, path):
         summary = anchor.run.summary()
         stages = summary.get("stages", [])
         drag = stages[-1] if len(stages) == 3 else {}
-        time = summary.get("wall time", {})
-        total, phases = time.get("total", np.nan), time.get("phases", {})
-        outside = sum(value for name, value in phases.items() if name not in NEWTON)
         rows.append({"mesh": mesh, "dragged / m": f"{anchor.distance[-1]:.2f}", "finished": anchor.finished,
                      "depth of the fluke's centre / m": f"{anchor.centre_depth[-1]:.3f}",
                      "depth of the tips / m": f"{anchor.tip_depth[-1]:.3f}",
@@ -31,8 +27,9 @@ def write_table(trajectories, path):
                      "shank angle / deg": f"{anchor.shank_angle[-1]:.1f}", "steps": drag.get("steps", ""),
                      "cuts": drag.get("cuts", ""), "newton iterations": drag.get("newton iterations", ""),
                      "material points": drag.get("material points", ""), "dofs": drag.get("dofs", ""),
-                     "ranks": summary.get("ranks", ""), "time / s": f"{total:.0f}",
-                     "time outside Newton / %": f"{100. * outside / total:.0f}"})
+                     "ranks": summary.get("ranks", ""),
+                     "time / s": f"{summary.get('wall time', {}).get('total', np.nan):.0f}",
+                     "time outside Newton / %": f"{100. * anchor.run.share_outside_newton():.0f}"})
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
@@ -73,7 +70,7 @@ def draw_trajectories(trajectories, path):
     plt.close(figure)
 
 
-def draw_sections(trajectories, folder, stem, distances=(0., 1., 3., 5., 10., 19.)):
+def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
     """Soil, fluke and cells of the run that came farthest, at the outputs nearest to these drag distances."""
     mesh, anchor = max(trajectories.items(), key=lambda item: item[1].distance[-1])
     written = [step for step in anchor.run.steps() if step >= anchor.steps[0] - 1]
@@ -84,7 +81,8 @@ def draw_sections(trajectories, folder, stem, distances=(0., 1., 3., 5., 10., 19
         step = written[int(np.argmin(abs(at - distance)))]
         grids, _ = anchor.run.soil(step)
         section = cut(grids, anchor.run.surface(step), "y", SECTION_AT, "displacement magnitude", anchor.run.mesh(step))
-        centre = float(np.interp(step, anchor.steps, anchor.distance)) + 2.2
+        dragged = float(np.interp(step, anchor.steps, anchor.distance))
+        centre = dragged + 2.2  # of the fluke, along x
         draw_section(section, folder / f"section-{stem}-at-{distance:g}m.png", "displacement magnitude",
-                     f"{mesh}, y = {SECTION_AT:g} m, after {np.interp(step, anchor.steps, anchor.distance):.1f} m",
+                     f"{mesh}, y = {SECTION_AT:g} m, after {dragged:.1f} m",
                      window=(centre - 3., centre + 5., 15.5, 19.5))

@@ -28,6 +28,13 @@ class Run:
         except (OSError, ValueError) as error:
             raise PlotError(f"{path}: cannot be read ({error})") from error
 
+    def share_outside_newton(self):
+        """Share of the wall time that went into anything but residuals, tangents and linear systems; not a number where
+        the run has not said yet."""
+        time = self.summary().get("wall time", {})
+        inside = sum(time.get("phases", {}).get(name, 0.) for name in ("residual", "tangent", "linear solver"))
+        return (sum(time.get("phases", {}).values()) - inside) / time.get("total", np.nan)
+
     def start_of(self, body):
         """Position of a body at the start of the first stage; None where the summary does not say."""
         stages = self.summary().get("stages") or [{}]
@@ -70,7 +77,7 @@ class Run:
         return read_grid(files[max(files)]) if files else None
 
     def mesh(self, step):
-        """The active cells at a step."""
+        """The cells that hold soil at a step."""
         files = dict(self._files("mesh"))
         if step not in files:
             raise PlotError(f"{self.folder}: holds no mesh of step {step}")

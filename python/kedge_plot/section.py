@@ -1,5 +1,5 @@
 """A plane section through the material points and the bodies."""
-from dataclasses import dataclass, field as dataclass_field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +18,7 @@ class Section:
     upper: np.ndarray
     values: np.ndarray
     outline: np.ndarray
-    cells: np.ndarray = dataclass_field(default_factory=lambda: np.empty((0, 2, 2)))
+    cells: np.ndarray
 
     def areas(self):
         """Area of each rectangle, m2."""
@@ -44,11 +44,14 @@ def cut(grids, surface, plane, at, field, mesh=None):
                    f"{max(b[1][:, normal].max() for b in extent):.6g} m") if extent else ""
         raise PlotError(f"the plane {plane} = {at:g} m meets no material point{between}")
     outline = np.empty((0, 2, 2)) if surface is None else _outline(surface, normal, at)[:, :, kept]
-    section = Section("".join("xyz"[i] for i in kept), lower, upper, values, outline)
-    if mesh is not None:
-        corners = np.stack(_boxes(mesh), axis=1)
-        section.cells = corners[_crossing((corners[:, 0], corners[:, 1]), normal, at)][:, :, kept]
-    return section
+    cells = np.empty((0, 2, 2)) if mesh is None else _cells(mesh, normal, at)[:, :, kept]
+    return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline, cells)
+
+
+def _cells(mesh, normal, at):
+    """Lower and upper corners (n, 2, 3) of the cells that the plane meets."""
+    boxes = _boxes(mesh)
+    return np.stack(boxes, axis=1)[_crossing(boxes, normal, at)]
 
 
 def _boxes(grid):

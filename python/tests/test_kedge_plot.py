@@ -251,12 +251,14 @@ class ResistanceCurve(TemporaryFolder):
 
 
 class SectionCut(TemporaryFolder):
-    def cut(self, plane="y", at=1.5, field="displacement_x"):
+    def cut(self, plane="y", at=1.5, field="displacement_x", mesh=False):
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.folder))
         write_run(folder)
         run = Run(folder)
         grids, step = run.soil()
-        return cut(grids, run.surface(step), plane, at, field)
+        if mesh:
+            VtuWriter("ascii").write(folder / "vtk" / f"mesh_{step:05d}.vtu", *boxes(2)[:2], 12, {})
+        return cut(grids, run.surface(step), plane, at, field, run.mesh(step) if mesh else None)
 
     def test_boxes_in_the_plane_are_found_once(self):
         for at in (0., 1., 1.5, 3.):  # the lower end, between two layers, inside one, the upper end
@@ -280,6 +282,12 @@ class SectionCut(TemporaryFolder):
     def test_plane_outside_the_soil_says_where_it_is(self):
         with self.assertRaisesRegex(PlotError, "lies between 0 and 3 m"):
             self.cut(at=7.)
+
+    def test_mesh_is_cut_where_it_is_asked_for(self):
+        self.assertEqual(len(self.cut().cells), 0)
+        section = self.cut(mesh=True)
+        self.assertEqual(section.cells.shape, (4, 2, 2))
+        np.testing.assert_array_equal(section.cells.max(axis=(0, 1)), [2., 2.])
 
     def test_plane_strain_quadrilaterals_need_no_cut(self):
         points = [[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1]]

@@ -115,6 +115,18 @@ class Footing(RunCase):
                                       name=str(thickness)))
         self.assertAlmostEqual(footing.excess(*runs), 0.2)
 
+    def make_strip(self, *load):
+        """Half a strip of 2 m on clay of 5 kPa: Prandtl's limit is (2 + pi) 5 kN."""
+        scene = {"material points": {"layers": [{"material": {"yield stress": 5e3 * np.sqrt(3.)}}]},
+                 "rigid bodies": [{"outline": [{"polygon": [[-0.1, 0.], [1., 0.], [1., 1.], [-0.1, 1.]]}]}]}
+        return self.make_run(body={"body1_reaction force_z": [-x for x in load]}, scene=scene)
+
+    def test_strip_is_held_against_prandtl(self):
+        self.assertAlmostEqual(footing.prandtl_excess(self.make_strip(0., 1.1 * (2. + np.pi) * 5e3)), 0.1)
+
+    def test_a_load_that_still_rises_is_told(self):
+        self.assertAlmostEqual(footing.last_rise(self.make_strip(*np.arange(1., 21.))), 0.1)
+
 
 class Plate(RunCase):
     def make_plate(self, direction):

@@ -17,8 +17,8 @@ Section<ContactParameters> contact_section()
                    "Penalty springs alone, or with multipliers that take out the penetration");
   section.optional(
       "normal penalty factor", &P::normal_penalty_factor, number("-", positive()),
-      "Normal contact stiffness over that of the material point; about 50 on elastic soil, where more would only "
-      "make contacts chatter if it yields");
+      "Normal contact stiffness over that of the material point; about 50 suits elastic soil, but makes contacts "
+      "chatter on soil that yields");
   section.optional("tangential penalty factor", &P::tangential_penalty_factor, number("-", positive()),
                    "Sticking stiffness over that of the material point");
   section

@@ -90,7 +90,7 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
     const double thinning = 1. - 0.7 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
     return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
   };
-  // The tripping palms: a ridge along each half of the crown, which the anchor comes to rest on, tips down.
+  // The tripping palms: a ridge along each half of the crown that reaches beyond the line from crown to tips.
   const auto palms = [=](const Vector2d& p)
   {
     const double y = std::abs(p[1]);
