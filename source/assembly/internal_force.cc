@@ -52,20 +52,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
         }
         particles.trial_plastic(p) = update.plastic_increment;
 
-        // tau grad_x S = (tau dF^-T) grad S
-        const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(update.stress) * inverse(dF).transpose();
-        const unsigned int pattern = stencils.pattern_of_particle(p);
-        const unsigned int first = stencils.pattern_node_begin(pattern);
-        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-        for (unsigned int v = 0; v < n; ++v)
-          for (int c = 0; c < dim; ++c)
-          {
-            double f = 0.;
-            for (int j = 0; j < dim; ++j)
-              f += flux(c, j) * gradient[dim * v + j];
-            add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c), f);
-          }
+        add_internal_force<dim>(particles, stencils, p, update.stress, dF, force);
       },
       n_inverted);
   return n_inverted;

@@ -139,20 +139,6 @@ void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::siz
   }
 }
 
-/// One dof per node and component; the order of components within a node is the axes'.
-Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim, const std::vector<long long>& node,
-                                           const unsigned int n,
-                                           const Teuchos::RCP<const Teuchos::Comm<int>>& communicator)
-{
-  std::vector<GlobalOrdinal> dofs(std::size_t(dim) * n);
-  for (unsigned int v = 0; v < n; ++v)
-    for (unsigned int d = 0; d < dim; ++d)
-      dofs[dim * v + d] = dim * node[v] + d;
-  return Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                                    Teuchos::ArrayView<const GlobalOrdinal>(dofs.data(), dofs.size()), 0,
-                                    communicator));
-}
-
 Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const Rows& rows)
 {
   const unsigned int dim = graph.dim;
@@ -178,6 +164,18 @@ Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const 
   return matrix_graph;
 }
 } // namespace
+
+Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim, const std::vector<long long>& node,
+                                           const std::size_t n)
+{
+  std::vector<GlobalOrdinal> dofs(dim * n);
+  for (std::size_t v = 0; v < n; ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      dofs[dim * v + d] = dim * node[v] + d;
+  return Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                                    Teuchos::ArrayView<const GlobalOrdinal>(dofs.data(), dofs.size()), 0,
+                                    Tpetra::getDefaultComm()));
+}
 
 NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numbering,
                            const std::vector<NodeLists>& couplings)
@@ -210,9 +208,8 @@ NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numberin
   Kokkos::deep_copy(graph.row_begin, host_begin);
   Kokkos::deep_copy(graph.column, host_column);
 
-  const auto communicator = Tpetra::getDefaultComm();
-  graph.row_map = make_dof_map(dim, column_global, graph.n_owned, communicator);
-  graph.column_map = make_dof_map(dim, column_global, graph.n_columns, communicator);
+  graph.row_map = make_dof_map(dim, column_global, graph.n_owned);
+  graph.column_map = make_dof_map(dim, column_global, graph.n_columns);
   graph.matrix_graph = make_matrix_graph(graph, rows);
   return graph;
 }

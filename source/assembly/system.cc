@@ -6,24 +6,12 @@
 
 namespace kedge
 {
-namespace
-{
-/// Entries of a vector on the device, as one-dimensional views.
-auto read(const TpetraVector& vector)
-{
-  return Kokkos::subview(vector.getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL(), 0);
-}
-
-auto overwrite(TpetraVector& vector)
-{
-  return Kokkos::subview(vector.getLocalViewDevice(Tpetra::Access::OverwriteAll), Kokkos::ALL(), 0);
-}
-} // namespace
-
 System::System(const unsigned int dim_, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
                const std::vector<unsigned char>& constrained)
     : dim(dim_),
       node_graph(build_node_graph(dim_, numbering, couplings)),
+      exchange(std::size_t(dim_) * node_graph.n_columns, node_graph.row_map, node_graph.column_map,
+               node_graph.matrix_graph->getImporter()),
       all_values("matrix values", node_graph.n_values())
 {
   const std::size_t n_owned_values = node_graph.matrix_graph->getLocalGraphDevice().entries.extent(0);
@@ -46,40 +34,6 @@ System::System(const unsigned int dim_, const NodeNumbering& numbering, const st
   Kokkos::parallel_for(
       "mark constrained", Kokkos::RangePolicy<ExecutionSpace>(0, mark.extent(0)),
       KOKKOS_LAMBDA(const std::size_t dof) { column(dof) = mark(dof) > 0.5; });
-}
-
-NodalVector System::make_nodal_vector() const
-{
-  return NodalVector("nodal vector", static_cast<std::size_t>(dim) * node_graph.n_columns);
-}
-
-NodalVector System::spread(const TpetraVector& owned) const
-{
-  const NodalVector local = make_nodal_vector();
-  const auto importer = node_graph.matrix_graph->getImporter();
-  if (importer.is_null())
-  {
-    Kokkos::deep_copy(local, read(owned));
-    return local;
-  }
-  TpetraVector all(node_graph.column_map);
-  all.doImport(owned, *importer, Tpetra::INSERT);
-  Kokkos::deep_copy(local, read(all));
-  return local;
-}
-
-void System::collect(const NodalVector& local, TpetraVector& owned) const
-{
-  const auto importer = node_graph.matrix_graph->getImporter();
-  if (importer.is_null())
-  {
-    Kokkos::deep_copy(overwrite(owned), local);
-    return;
-  }
-  TpetraVector all(node_graph.column_map);
-  Kokkos::deep_copy(overwrite(all), local);
-  owned.putScalar(0.);
-  owned.doExport(all, *importer, Tpetra::ADD);
 }
 
 void System::zero_constrained(TpetraVector& owned) const

@@ -28,10 +28,13 @@ std::string format_progress(const Progress& state)
   std::string bar;
   for (int i = 0; i < bar_width; ++i)
     bar += i < filled ? "█" : "░";
-  return fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g} NR {} cuts {} del {} N {} Krylov {}",
-                     state.stage, state.n_stages, bar, 100. * fraction, state.time, state.end, state.step,
-                     state.increment, state.newton_iterations, state.cuts, state.deleted, state.particles,
-                     state.krylov_iterations);
+  const std::string start =
+      fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g}", state.stage, state.n_stages, bar,
+                  100. * fraction, state.time, state.end, state.step, state.increment);
+  const std::string end = fmt::format("cuts {} del {} N {}", state.cuts, state.deleted, state.particles);
+  return state.is_explicit
+             ? fmt::format("{} time steps {} {}", start, state.iterations, end)
+             : fmt::format("{} NR {} {} Krylov {}", start, state.iterations, end, state.krylov_iterations);
 }
 
 Report::Report(const bool speak_, const bool quiet_)

@@ -245,6 +245,14 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
   return points;
 }
 
+template <int dim> std::vector<double> Contact<dim>::point_stiffness() const
+{
+  std::vector<double> result(points.n_points(), 0.);
+  for (const Pair& pair : pairs)
+    result[pair.point] += std::max(pair.stiffness.normal, pair.stiffness.tangential);
+  return result;
+}
+
 template <int dim>
 BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const
 {

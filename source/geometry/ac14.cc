@@ -90,18 +90,16 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
     const double thinning = 1. - 0.7 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
     return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
   };
-  // The tripping palms: a ridge along each half of the crown that reaches beyond the line from crown to tips.
-  const auto palms = [=](const Vector2d& p)
+  // Chosen: a floor under the crown's rim, and the tripping palms, a ridge along each half of the crown.
+  const auto chosen = [=](const Vector2d& p)
   {
     const double y = std::abs(p[1]);
-    return fluke.palm_height * smooth_step(0.03 * x0, 0.26 * x0, p[0]) * smooth_step(0.57 * x0, 0.3 * x0, p[0]) *
-           smooth_step(s, s + 0.25, y) * smooth_step(w, w - 0.25, y);
+    const double along = smooth_step(0., 0.27 * x0, p[0]) * smooth_step(0.56 * x0, 0.28 * x0, p[0]);
+    const double across = smooth_step(s - 0.05, s + 0.25, y) * smooth_step(w - 0.08, w - 0.38, y);
+    return 0.06 + fluke.palm_height * along * across;
   };
-  const Eigen::Vector2d given = volume_and_moment(planform, palms);
-  const double volume = fluke.mass / steel_density;
-  const SolidShare rest{volume - given[0], (volume * fluke.centroid - given[1]) / (volume - given[0])};
-  const PlaneFunction body = fit_half_thickness(planform, crown, flukes, rest, rim_width, least_radius);
-  return thicken(planform, [=](const Vector2d& p) { return body(p) + palms(p); });
+  const Solid solid{fluke.mass / steel_density, fluke.centroid};
+  return thicken(planform, fit_half_thickness(planform, chosen, crown, flukes, solid, rim_width, least_radius));
 }
 
 TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh)
@@ -112,9 +110,9 @@ TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh)
   const double middle = shank.start + shank.length / 2.;
   const auto uniform = [](const Vector2d&) { return 1.; };
   const auto taper = [=](const Vector2d& p) { return (middle - p[0]) / shank.length; };
-  TriangleMesh part =
-      thicken(planform, fit_half_thickness(planform, uniform, taper, {shank.mass / steel_density, shank.centroid},
-                                           rim_width, least_radius));
+  TriangleMesh part = thicken(planform, fit_half_thickness(
+                                            planform, [](const Vector2d&) { return 0.; }, uniform, taper,
+                                            {shank.mass / steel_density, shank.centroid}, rim_width, least_radius));
   for (Eigen::Vector3d& x : part.vertices) // its outline lies in x-z
     std::swap(x[1], x[2]);
   for (auto& triangle : part.triangles)

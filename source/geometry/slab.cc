@@ -234,15 +234,20 @@ Vector2d volume_and_moment(const Planform& planform, const PlaneFunction& half_t
   return integral;
 }
 
-PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& p, const PlaneFunction& q,
-                                 const SolidShare& share, const PlaneFunction& rim_width, double least_radius)
+PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& given, const PlaneFunction& p,
+                                 const PlaneFunction& q, const Solid& solid, const PlaneFunction& rim_width,
+                                 double least_radius)
 {
   Eigen::Matrix2d unit;
   unit << volume_and_moment(planform, p), volume_and_moment(planform, q);
-  const Vector2d factors = unit.inverse() * Vector2d(share.volume, share.volume * share.centroid);
-  const PlaneFunction h = [=](const Vector2d& x) { return factors[0] * p(x) + factors[1] * q(x); };
-  for (const Vector2d& x : planform.positions)
+  const Vector2d whole(solid.volume, solid.volume * solid.centroid);
+  const Vector2d factors = unit.inverse() * (whole - volume_and_moment(planform, given));
+  const PlaneFunction h = [=](const Vector2d& x) { return given(x) + factors[0] * p(x) + factors[1] * q(x); };
+  for (std::size_t i = 0; i < planform.positions.size(); ++i)
   {
+    if (planform.lift[i] == 1.)
+      continue; // beyond the rim
+    const Vector2d& x = planform.positions[i];
     // An ellipse with semi-axes a and b is sharpest at the end of the longer one: radius b^2 / a.
     const double thickness = h(x), radius = std::min(std::abs(thickness) * thickness / rim_width(x),
                                                      rim_width(x) * rim_width(x) / thickness);

@@ -45,16 +45,17 @@ Planform triangulate_outline(const OutlineChains& chains, const PlaneFunction& r
 Eigen::Vector2d volume_and_moment(const Planform& planform, const PlaneFunction& half_thickness);
 
 /// What a body's thickness has to give.
-struct SolidShare
+struct Solid
 {
   double volume;   ///< m3
   double centroid; ///< X, m
 };
 
-/// The half thickness a p + b q with which the body has the given volume and centroid. Throws InputError where an edge
-/// would then have a smaller radius than the least one (m).
-PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& p, const PlaneFunction& q,
-                                 const SolidShare& share, const PlaneFunction& rim_width, double least_radius);
+/// The half thickness `given` + a p + b q with which the body has the volume and centroid of `solid`. Throws InputError
+/// where an edge would then have a smaller radius than the least one (m).
+PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& given, const PlaneFunction& p,
+                                 const PlaneFunction& q, const Solid& solid, const PlaneFunction& rim_width,
+                                 double least_radius);
 
 /// The closed surface of the slab, outwards, in X Y Z.
 TriangleMesh thicken(const Planform& planform, const PlaneFunction& half_thickness);

@@ -21,6 +21,7 @@ Json to_json(const StageSummary& stage)
           {"cuts", stage.cuts},
           {"newton iterations", stage.newton_iterations},
           {"krylov iterations", stage.krylov_iterations},
+          {"time steps", stage.time_steps},
           {"material points", stage.particles},
           {"cells", stage.cells},
           {"dofs", stage.dofs},
@@ -38,6 +39,7 @@ StageSummary stage_from(const Json& json)
   stage.cuts = json.at("cuts");
   stage.newton_iterations = json.at("newton iterations");
   stage.krylov_iterations = json.at("krylov iterations");
+  stage.time_steps = json.at("time steps");
   stage.particles = json.at("material points");
   stage.cells = json.at("cells");
   stage.dofs = json.at("dofs");

@@ -14,9 +14,10 @@ namespace kedge
 namespace
 {
 // Means of the cone and plate scenes on one core that other programs shared; benchmarks/speed has the kernels alone.
-constexpr double newton_iterations = 15.;     // elastic soil takes 3, plastic soil in contact 7 to 25
-constexpr double seconds_per_particle = 8e-6; ///< and Newton iteration: stress, tangent, scatter
-constexpr double seconds_per_dof = 15e-6;     ///< and Newton iteration: linear solver
+constexpr double newton_iterations = 15.;        // elastic soil takes 3, plastic soil in contact 7 to 25
+constexpr double seconds_per_particle = 8e-6;    ///< and Newton iteration: stress, tangent, scatter
+constexpr double seconds_per_dof = 15e-6;        ///< and Newton iteration: linear solver
+constexpr double seconds_per_time_step = 0.6e-6; ///< and particle, of explicit stages
 constexpr double bytes_of_program = 0.2e9;
 constexpr double bytes_per_particle = 2000.;
 constexpr double bytes_per_dof = 12. * 375. * 2.; ///< matrix rows and the multigrid hierarchy
@@ -145,6 +146,24 @@ template <int dim> std::vector<Contents> count_contents(const Input& input, cons
   }
   return contents;
 }
+
+/// Of an explicit stage, from the layer with the fastest waves in cells of regular shape.
+double count_time_steps(const Input& input, const Stage& stage)
+{
+  const SteppingParameters& stepping = stage.stepping;
+  if (stepping.dt > 0.)
+    return stepping.final_time / stepping.dt;
+  double size = input.material_points.element_size, fastest = 0.;
+  for (const double finer : {stage.adaptivity.element_size, stage.adaptivity.element_size_in_region})
+    if (is_refined(stage) && finer > 0.)
+      size = std::min(size, finer);
+  for (const Layer& layer : input.material_points.layers)
+    fastest = std::max(fastest, layer.material.young / (1. - 2. * std::min(layer.material.poisson, 0.499)) /
+                                    layer.material.density);
+  // two points per axis see |grad S|^2 / S of 16/3 over the cell's size squared, as largest_squared_frequency adds up
+  const double critical = 2. * size / std::sqrt(16. / 3. * fastest / stepping.mass_scaling);
+  return stepping.final_time / (stepping.cfl * critical);
+}
 } // namespace
 
 std::vector<StageEstimate> estimate_cost(const Input& input, const double most_particles)
@@ -161,8 +180,11 @@ std::vector<StageEstimate> estimate_cost(const Input& input, const double most_p
     stage.counting_stopped = contents[i].counting_stopped;
     stage.steps = count_steps(input.stages[i].stepping);
     stage.memory = bytes_of_program + bytes_per_particle * stage.particles + bytes_per_dof * stage.dofs;
-    stage.seconds =
-        stage.steps * newton_iterations * (seconds_per_particle * stage.particles + seconds_per_dof * stage.dofs);
+    if (input.stages[i].stepping.type == StageType::explicit_)
+      stage.seconds = count_time_steps(input, input.stages[i]) * seconds_per_time_step * stage.particles;
+    else
+      stage.seconds =
+          stage.steps * newton_iterations * (seconds_per_particle * stage.particles + seconds_per_dof * stage.dofs);
   }
   return stages;
 }
@@ -174,8 +196,8 @@ std::string format_estimate(const Input& input, const std::vector<StageEstimate>
   {
     const StageEstimate& stage = stages[i];
     text += fmt::format("{:<3} {:<8} {:>5} {:>9.0f} {:>9.0f} {:>9.0f} {:>6.2f} GB   {}\n", i + 1,
-                        input.stages[i].stepping.type == StageType::static_ ? "static" : "dynamic", stage.steps,
-                        stage.cells, stage.dofs, stage.particles, 1e-9 * stage.memory,
+                        name_of(input.stages[i].stepping.type), stage.steps, stage.cells, stage.dofs, stage.particles,
+                        1e-9 * stage.memory,
                         stage.seconds < 60.     ? fmt::format("{:.0f} s", stage.seconds)
                         : stage.seconds < 3600. ? fmt::format("{:.0f} min", stage.seconds / 60.)
                                                 : fmt::format("{:.1f} h", stage.seconds / 3600.));

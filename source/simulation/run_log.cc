@@ -32,7 +32,7 @@ void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems&
 {
   StageSummary stage;
   step_length = kedge::step_length(stepping);
-  stage.type = stepping.type == StageType::static_ ? "static" : "dynamic";
+  stage.type = name_of(stepping.type);
   for (const RigidPoint& point : bodies.points)
     stage.start_positions.push_back({{point.pose.position[0], point.pose.position[1], point.pose.position[2]}});
   summary.stages.push_back(stage);
@@ -62,7 +62,7 @@ void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigne
   StageSummary& counts = summary.stages.back();
   counts.steps += newton.converged;
   counts.cuts = clock.cuts(); // of the whole stage, also where a run goes on
-  counts.newton_iterations += newton.iterations;
+  (counts.type == name_of(StageType::explicit_) ? counts.time_steps : counts.newton_iterations) += newton.iterations;
   counts.krylov_iterations += newton.krylov_iterations;
   if (options.verbose)
     terminal.line(fmt::format("step {} {}: {} Krylov iterations, residuals {}", step,
@@ -81,7 +81,8 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
   shown.end = clock.requested_steps() * step_length;
   shown.step = state.step;
   shown.increment = clock.step_fraction() * step_length;
-  shown.newton_iterations = newton.iterations;
+  shown.iterations = newton.iterations;
+  shown.is_explicit = stage.type == name_of(StageType::explicit_);
   shown.krylov_iterations = newton.krylov_iterations;
   shown.cuts = clock.cuts();
   shown.deleted = state.deleted;

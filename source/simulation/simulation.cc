@@ -11,6 +11,7 @@
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/checkpoints.h>
+#include <kedge/simulation/explicit_step.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/moving_window.h>
 #include <kedge/simulation/placement.h>
@@ -81,8 +82,8 @@ private:
   CheckpointSchedule checkpoints;
   std::optional<ClockState> resumed; ///< where the stage goes on that a restart file was written in
 
-  std::unique_ptr<StepProblem<dim>> problem; ///< of the current step; survives a cut
-  typename StepProblem<dim>::Load load;
+  std::unique_ptr<TrialStep<dim>> problem; ///< the current step; survives a cut
+  StepLoad load;
   Prediction prediction; ///< for the next step of this stage
   std::vector<Vector6> reactions;
   bool has_warned_of_window = false;
@@ -256,8 +257,11 @@ template <int dim> void Simulation<dim>::prepare_step()
   follow_bodies_with_window();
   remove_hopeless();
   adapt();
-  problem =
-      std::make_unique<StepProblem<dim>>(input, *stage, mesh, particles, materials, bodies, contact, log.timings());
+  const StepScene<dim> scene{input, *stage, mesh, particles, materials, bodies, contact, log.timings()};
+  if (stage->stepping.type == StageType::explicit_)
+    problem = std::make_unique<ExplicitStep<dim>>(scene);
+  else
+    problem = std::make_unique<StepProblem<dim>>(scene);
   if (take_reference_gaps)
     contact.take_reference_gaps(bodies);
   take_reference_gaps = false;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <kedge/parameters/section.h>
 #include <kedge/time/parameters.h>
@@ -9,6 +10,8 @@ using namespace schema;
 namespace
 {
 const std::vector<std::string> in_time = {"dynamic", "explicit"};
+const std::vector<std::pair<std::string, StageType>> names = {
+    {"static", StageType::static_}, {"dynamic", StageType::dynamic}, {"explicit", StageType::explicit_}};
 
 void check_step(const SteppingParameters& stepping, const Place& place)
 {
@@ -18,12 +21,21 @@ void check_step(const SteppingParameters& stepping, const Place& place)
   if (stepping.type != StageType::static_ && stepping.dt > stepping.final_time * (1. + 1e-12))
     place.key("dt").fail("the time step " + shown(stepping.dt) + " s is longer than the stage",
                          "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");
+  if (stepping.type == StageType::explicit_ && stepping.basis_step > stepping.final_time * (1. + 1e-12))
+    place.key("basis step")
+        .fail("the basis step " + shown(stepping.basis_step) + " s is longer than the stage",
+              "keep it at or below \"final time\", " + shown(stepping.final_time) + " s");
 }
 } // namespace
 
+std::string name_of(const StageType type)
+{
+  return std::find_if(names.begin(), names.end(), [&](const auto& entry) { return entry.second == type; })->first;
+}
+
 double requested_steps(const SteppingParameters& stepping)
 {
-  return stepping.type == StageType::static_ ? stepping.load_steps : stepping.final_time / stepping.dt;
+  return stepping.type == StageType::static_ ? stepping.load_steps : stepping.final_time / step_length(stepping);
 }
 
 unsigned int count_steps(const SteppingParameters& stepping)
@@ -33,18 +45,23 @@ unsigned int count_steps(const SteppingParameters& stepping)
 
 double step_length(const SteppingParameters& stepping)
 {
-  return stepping.type == StageType::static_ ? 1. / stepping.load_steps : stepping.dt;
+  switch (stepping.type)
+  {
+    case StageType::static_:
+      return 1. / stepping.load_steps;
+    case StageType::dynamic:
+      return stepping.dt;
+    default:
+      return stepping.basis_step > 0. ? stepping.basis_step : 0.01 * stepping.final_time;
+  }
 }
 
 Section<SteppingParameters> stepping_section()
 {
   using P = SteppingParameters;
   Section<P> section("Steps of a stage");
-  section.required(
-      "type", &P::type,
-      choice<StageType>(
-          {{"static", StageType::static_}, {"dynamic", StageType::dynamic}, {"explicit", StageType::explicit_}}),
-      "Equilibrium without inertia, implicit dynamics (Newmark), or explicit dynamics");
+  section.required("type", &P::type, choice<StageType>(names),
+                   "Equilibrium without inertia, implicit dynamics (Newmark), or explicit dynamics");
   section.required("load steps", &P::load_steps, count(Bounds().at_least(1)), "Number of equal steps of the stage")
       .only_for("type", {"static"});
   section
@@ -56,6 +73,11 @@ Section<SteppingParameters> stepping_section()
       .required("dt", &P::dt, number_or("auto", 0., number("s", positive())),
                 "Time step; \"auto\", in explicit stages: from the stability limit")
       .only_for("type", in_time);
+  section
+      .optional("basis step", &P::basis_step, number_or("auto", 0., number("s", positive())),
+                "Time for which the overlap of material points and cells is kept, many time steps long: what a body's "
+                "\"prescribed\" motion refers to and outputs count; \"auto\": a hundredth of the stage")
+      .only_for("type", {"explicit"});
   section.required("final time", &P::final_time, number("s", positive()), "Duration of the stage")
       .only_for("type", in_time);
   section.required("beta", &P::beta, number("-", positive()), "Newmark's beta").only_for("type", {"dynamic"});

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <kedge/assembly/node_graph.h>
+#include <kedge/assembly/nodal_exchange.h>
 #include <kedge/basis/cell_groups.h>
 #include <kedge/materials/material.h>
 #include <kedge/materials/parameters.h>
@@ -10,8 +10,6 @@
 
 namespace kedge
 {
-/// Nodal vectors have dim entries per local node (owned, then ghosts).
-using NodalVector = View<double*>;
 using Materials = View<Material*>;
 
 /// The laws of the layers, in their order, on the device.

@@ -5,6 +5,8 @@
 #include <kedge/assembly/node_graph.h>
 #include <kedge/base/kokkos.h>
 #include <kedge/basis/stencil.h>
+#include <kedge/materials/hencky.h>
+#include <kedge/particles/arrays.h>
 #include <type_traits>
 
 namespace kedge
@@ -97,5 +99,26 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
       c(j, i) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
     }
   return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
+}
+
+/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S.
+template <int dim>
+KEDGE_FUNCTION void add_internal_force(const ParticleArrays& particles, const StencilSet& stencils,
+                                       const unsigned int p, const SymmetricTensor& stress, const Eigen::Matrix3d& dF,
+                                       const View<double*>& force)
+{
+  const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * inverse(dF).transpose();
+  const unsigned int pattern = stencils.pattern_of_particle(p);
+  const unsigned int first = stencils.pattern_node_begin(pattern);
+  const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+  const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+  for (unsigned int v = 0; v < n; ++v)
+    for (int c = 0; c < dim; ++c)
+    {
+      double f = 0.;
+      for (int j = 0; j < dim; ++j)
+        f += flux(c, j) * gradient[dim * v + j];
+      add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c), f);
+    }
 }
 } // namespace kedge

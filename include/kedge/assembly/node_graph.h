@@ -52,6 +52,10 @@ struct NodeGraph
   std::size_t n_values() const { return static_cast<std::size_t>(dim) * dim * column.extent(0); }
 };
 
+/// One dof per node and component of the first `n` nodes, by their global numbers; the order of components within a
+/// node is the axes'. Collective.
+Teuchos::RCP<const TpetraMap> make_dof_map(unsigned int dim, const std::vector<long long>& node, std::size_t n);
+
 /// Collective.
 NodeGraph build_node_graph(unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings);
 

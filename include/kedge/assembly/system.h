@@ -2,7 +2,7 @@
 #pragma once
 
 #include <kedge/assembly/internal_force.h>
-#include <kedge/assembly/node_graph.h>
+#include <kedge/assembly/nodal_exchange.h>
 #include <kedge/contact/point_forces.h>
 
 namespace kedge
@@ -19,12 +19,12 @@ public:
   /// Values of all rows, laid out by graph(): what the kernels add to.
   const View<double*>& values() const { return all_values; }
   /// A zero vector with dim entries per local node.
-  NodalVector make_nodal_vector() const;
+  NodalVector make_nodal_vector() const { return exchange.make_nodal_vector(); }
 
   /// Owned values and those of the ghosts. Collective.
-  NodalVector spread(const TpetraVector& owned) const;
+  NodalVector spread(const TpetraVector& owned) const { return exchange.spread(owned); }
   /// Sums the contributions of all ranks to the owned dofs. Collective.
-  void collect(const NodalVector& local, TpetraVector& owned) const;
+  void collect(const NodalVector& local, TpetraVector& owned) const { exchange.collect(local, owned); }
   /// Sets constrained entries to zero.
   void zero_constrained(TpetraVector& owned) const;
 
@@ -35,6 +35,7 @@ public:
 private:
   unsigned int dim;
   NodeGraph node_graph;
+  NodalExchange exchange;
   View<double*> all_values;
   Teuchos::RCP<TpetraMatrix> owned_matrix;
   View<unsigned char*> constrained_column; ///< per column dof

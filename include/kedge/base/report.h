@@ -15,7 +15,9 @@ struct Progress
   double time = 0., end = 1.; ///< load fraction in a static stage, s otherwise
   unsigned int step = 0;
   double increment = 0.;
-  unsigned int newton_iterations = 0, krylov_iterations = 0, cuts = 0;
+  bool is_explicit = false;
+  unsigned int iterations = 0; ///< Newton's, or time steps of an explicit stage
+  unsigned int krylov_iterations = 0, cuts = 0;
   long long deleted = 0, particles = 0;
 };
 

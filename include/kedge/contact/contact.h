@@ -83,6 +83,9 @@ public:
   /// What the last evaluation returned.
   const PointForces& points_of_last_evaluation() const { return points; }
 
+  /// Stiffest spring of every contact point of this rank, touching or not, summed over its surfaces, N/m.
+  std::vector<double> point_stiffness() const;
+
   /// Loads of the last evaluation on the bodies. Collective.
   BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
 

@@ -20,13 +20,13 @@ struct PartMesh
 /// centroid: a crown and flukes that thin towards their tips share what the palms leave.
 struct Ac14Fluke
 {
-  double mass = 6583.2;     ///< kg
-  double centroid = 0.62;   ///< along x, m
-  double length = 1.7;      ///< from the back of the crown at x = 0 to the tips, m
-  double crown_width = 2.2; ///< across y, m
-  double slot_width = 0.46; ///< between the flukes, m
-  double slot_start = 0.62; ///< x where the slot ends in the crown, m
-  double palm_height = 0.3; ///< of the tripping palms over the crown, on either side of z = 0, m
+  double mass = 6583.2;      ///< kg
+  double centroid = 0.62;    ///< along x, m
+  double length = 1.7;       ///< from the back of the crown at x = 0 to the tips, m
+  double crown_width = 2.2;  ///< across y, m
+  double slot_width = 0.46;  ///< between the flukes, m
+  double slot_start = 0.62;  ///< x where the slot ends in the crown, m
+  double palm_height = 0.42; ///< of the tripping palms over the crown, on either side of z = 0, m
 };
 
 /// Shank with foot and eye, turning about (pivot, y, 0). Its thickness across y follows from mass and centroid.

@@ -95,9 +95,11 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
 
 template <bool with_tangent>
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const double young, const Material& material, SpatialTangent* tangent)
+                                          const double young, const Material& material, SpatialTangent* tangent,
+                                          SymmetricTensor* next_b = nullptr)
 {
-  const PrincipalFrame frame = principal_frame(push_forward(increment, b));
+  const SymmetricTensor pushed = push_forward(increment, b);
+  const PrincipalFrame frame = principal_frame(pushed);
   const double least = std::fmin(frame.values[0], std::fmin(frame.values[1], frame.values[2]));
   if (!(determinant(increment) > 0. && least > 0.))
   {
@@ -111,6 +113,14 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   const Response response = respond<with_tangent>(trial_strain, young, material);
   if constexpr (with_tangent)
     *tangent = spatial_tangent(response, material.elasticity(young), trial_strain, frame);
+  if (next_b != nullptr)
+  {
+    const Eigen::Vector3d& e = response.elastic_strain;
+    *next_b = response.status == Status::elastic
+                  ? pushed
+                  : from_principal(Eigen::Vector3d(std::exp(2. * e[0]), std::exp(2. * e[1]), std::exp(2. * e[2])),
+                                   frame.directions);
+  }
   return {from_principal(response.stress, frame.directions), from_principal(response.elastic_strain, frame.directions),
           response.plastic_increment, response.status};
 }
@@ -130,5 +140,13 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
                                           const double young, const Material& material, SpatialTangent& tangent)
 {
   return internal::update_stress<true>(increment, b, young, material, &tangent);
+}
+
+/// The same without a tangent for a path of many increments: `b` becomes the one that the next increment goes on from,
+/// and stays as it is where this one is inverted.
+KEDGE_FUNCTION StressUpdate advance_stress(const Eigen::Matrix3d& increment, SymmetricTensor& b, const double young,
+                                           const Material& material)
+{
+  return internal::update_stress<false>(increment, b, young, material, nullptr, &b);
 }
 } // namespace kedge

@@ -13,7 +13,7 @@ struct StageSummary
 {
   std::string type; ///< "static", "dynamic", "explicit"
   unsigned int steps = 0, cuts = 0;
-  long long newton_iterations = 0, krylov_iterations = 0;
+  long long newton_iterations = 0, krylov_iterations = 0, time_steps = 0; ///< the last of explicit stages
   long long particles = 0, cells = 0, dofs = 0;       ///< at its end, over all ranks; cells that hold soil
   long long deleted = 0;                              ///< particles, during the stage
   double penetration = 0.;                            ///< deepest of any step, m

@@ -1,6 +1,8 @@
 // What the input says of the stepping of one stage.
 #pragma once
 
+#include <string>
+
 namespace kedge::schema
 {
 template <typename T> class Section;
@@ -27,11 +29,15 @@ struct SteppingParameters
   unsigned int load_steps = 1;                       ///< static
   GravityLoad load = GravityLoad::full;              ///< static
   double dt = 0.;                                    ///< dynamic: s; 0 in explicit stages: "auto"
+  double basis_step = 0.;                            ///< explicit: s; 0: a hundredth of the stage
   double final_time = 0.;                            ///< dynamic: s
   double beta = 0.25, gamma = 0.5;                   ///< Newmark
   bool lumped_mass = false;                          ///< dynamic
   double cfl = 0.8, damping = 0., mass_scaling = 1.; ///< explicit
 };
+
+/// As inputs name it.
+std::string name_of(StageType type);
 
 /// Number of requested steps of a stage; the last one is shorter where "final time" is not a multiple of "dt".
 double requested_steps(const SteppingParameters& stepping);

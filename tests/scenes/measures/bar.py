@@ -69,9 +69,9 @@ def history(run):
     bar, stage = Bar.of(run), run.input["analysis"][0]
     steps = run.steps()
     if run.summary["stages"][0]["cuts"] or steps != list(range(2, 2 + len(steps))):
-        raise RunError(f"{run.folder}: every step must be of length dt and be written")
+        raise RunError(f"{run.folder}: every step must be whole and be written")
     rows = [_row(run, step, bar) for step in steps]
-    return History(stage["dt"] * np.arange(len(steps) + 1), *np.array([[0.] * 5, *rows]).T)
+    return History(stage.get("basis step", stage["dt"]) * np.arange(len(steps) + 1), *np.array([[0.] * 5, *rows]).T)
 
 
 def _row(run, step, bar):

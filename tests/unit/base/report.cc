@@ -16,7 +16,7 @@ Progress halfway()
   state.time = 0.5;
   state.step = 17;
   state.increment = 0.0125;
-  state.newton_iterations = 4;
+  state.iterations = 4;
   state.krylov_iterations = 31;
   state.cuts = 1;
   state.deleted = 2;

@@ -50,6 +50,17 @@ TEST(Estimate, LeavesOutBuriedMaterialPoints)
   EXPECT_EQ(stage.particles, 19200. - 50.);
 }
 
+TEST(Estimate, CountsTimeStepsOfExplicitStages)
+{
+  const auto seconds = [](const std::vector<std::string>& changes)
+  { return estimate("plate-anchor-explicit.json", changes).front().seconds; };
+  const double whole = seconds({});
+  EXPECT_NEAR(seconds({"analysis.0.final time=1.25"}), 0.5 * whole, 1e-9 * whole);
+  EXPECT_NEAR(seconds({"analysis.0.mass scaling=64"}), 0.5 * whole, 1e-9 * whole);
+  EXPECT_NEAR(seconds({"analysis.0.dt=1e-4"}),
+              25000. * 0.6e-6 * estimate("plate-anchor-explicit.json").front().particles, 1e-9 * whole);
+}
+
 TEST(Estimate, StopsCountingBetweenTwoLevels)
 {
   const StageEstimate stage = estimate("cube-octree.json", {"analysis.0.adaptivity.element size=0.05"}, 1000.).front();

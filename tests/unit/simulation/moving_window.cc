@@ -110,8 +110,8 @@ template <int dim> struct Drag
   double drag(const double increment)
   {
     follow();
-    StepProblem<dim> problem(input, stage, mesh, particles, materials, bodies, contact, timings);
-    typename StepProblem<dim>::Load load;
+    StepProblem<dim> problem({input, stage, mesh, particles, materials, bodies, contact, timings});
+    StepLoad load;
     load.body_increments = {Vector6::Zero()};
     load.body_increments[0][0] = increment;
     report = problem.solve(load, {});

@@ -69,8 +69,8 @@ struct Footing
 
   NewtonReport push(const Vector6& increment)
   {
-    StepProblem<3> problem(input, stage, mesh, particles, materials, bodies, contact, timings);
-    StepProblem<3>::Load load;
+    StepProblem<3> problem({input, stage, mesh, particles, materials, bodies, contact, timings});
+    StepLoad load;
     load.body_increments = {increment};
     return problem.solve(load, {});
   }
@@ -162,11 +162,11 @@ TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
   point.velocity << 0.15, 0.05, -1., 0.3, 0.2, 0.1;
   footing.stage.stepping.type = StageType::dynamic;
   footing.stage.stepping.dt = 0.01;
-  StepProblem<3>::Load load;
+  StepLoad load;
   load.newmark = {footing.stage.stepping.beta, footing.stage.stepping.gamma, footing.stage.stepping.dt};
   load.body_increments = {Vector6::Zero()};
-  StepProblem<3> problem(footing.input, footing.stage, footing.mesh, footing.particles, footing.materials,
-                         footing.bodies, footing.contact, footing.timings);
+  StepProblem<3> problem({footing.input, footing.stage, footing.mesh, footing.particles, footing.materials,
+                          footing.bodies, footing.contact, footing.timings});
   const NewtonReport report = problem.solve(load, {});
   expect_quadratic(report);
   EXPECT_LT(problem.rigid_increments()[0][2], -5e-3);

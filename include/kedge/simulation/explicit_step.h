@@ -1,0 +1,59 @@
+// A step of explicit dynamics: central differences on the nodes while the basis stands still.
+#pragma once
+
+#include <kedge/assembly/explicit_force.h>
+#include <kedge/simulation/step_basis.h>
+
+namespace kedge
+{
+/// A basis step: many small time steps (velocity Verlet, that is central differences) with lumped mass, whose motion
+/// refers to the mesh at its start as an implicit step's does. Positions and velocities belong to the same time at both
+/// ends: were the velocities half a step late, handing them to the particles and back would feed energy to short waves.
+/// The material points move, and the basis is set up anew, once it is over: total Lagrangian within the step, updated
+/// Lagrangian from step to step (de Vaucorbeil, Nguyen & Hutchinson 2020, doi 10.1016/j.cma.2019.112783, keep the first
+/// reference for good). Bodies move as prescribed.
+template <int dim> class ExplicitStep : public TrialStep<dim>
+{
+public:
+  /// Overlaps particles with cells, numbers the active nodes and finds the stable time step. Collective.
+  explicit ExplicitStep(const StepScene<dim>& scene);
+
+  /// Fails where a material point turns inside out or moves by more than a quarter of its cell. Collective.
+  NewtonReport solve(const StepLoad& load, const Prediction& prediction) override;
+  Prediction predict_next() const override { return {}; }
+
+  ParticleIncrements particle_increments() const override;
+  const std::vector<Vector6>& rigid_increments() const override { return body_increments; }
+  /// Means over the step: their impulse over its duration.
+  std::vector<Vector6> reactions() const override;
+  RigidStep rigid_step() const override;
+
+  long long n_dofs() const override { return dim * basis.nodes.n_global; }
+  double basis_bytes() const override { return basis.bytes(); }
+
+  /// Bound below which central differences are stable, s.
+  double critical_time_step() const { return critical_dt; }
+
+private:
+  double contact_squared_frequency() const;
+  void begin();
+  bool follow_forces(double fraction);
+  void kick(double time);
+  void drift(double time);
+  double largest_way_in_cells() const;
+
+  StepScene<dim> scene;
+  StepBasis basis;
+  NodalExchange exchange;
+  View<unsigned char*> constrained; ///< per local dof
+  View<double*> mass;               ///< per local node, scaled, kg
+  NodalVector weight;               ///< of all ranks, under full gravity, N
+  double critical_dt = 0.;
+
+  StepLoad load;
+  NodalVector start_velocity, velocity, increment, force; ///< m/s, m/s, m, N; all ranks' force
+  ParticlePath path;
+  std::vector<Vector6> body_increments; ///< up to the last evaluation
+  BodyLoads impulse;                    ///< of the soil on the bodies since the start of the step, N s
+};
+} // namespace kedge

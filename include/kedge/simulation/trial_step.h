@@ -1,0 +1,64 @@
+// One step of a stage, whatever its method: what it is given, what it answers.
+#pragma once
+
+#include <kedge/assembly/internal_force.h>
+#include <kedge/base/report.h>
+#include <kedge/bodies/rigid_balance.h>
+#include <kedge/contact/contact.h>
+#include <kedge/particles/particle_set.h>
+#include <kedge/simulation/input.h>
+#include <kedge/simulation/prediction.h>
+#include <kedge/solvers/newton.h>
+#include <kedge/time/newmark.h>
+
+namespace kedge
+{
+/// What a step works on. It reads the committed state and leaves its trial state in the particles' arrays and in the
+/// contact.
+template <int dim> struct StepScene
+{
+  const Input& input;
+  const Stage& stage;
+  const BackgroundMesh<dim>& mesh;
+  ParticleSet<dim>& particles;
+  const Materials& materials;
+  const RigidSystems& bodies;
+  Contact<dim>& contact;
+  Timings& timings;
+};
+
+/// What acts during a step.
+struct StepLoad
+{
+  double gravity_factor = 1.;
+  double step_fraction = 1.;            ///< of a requested step
+  Newmark newmark;                      ///< with a dt of 0 in static and explicit stages
+  bool starts_at_rest = false;          ///< the first acceleration follows from the forces, not from the particles
+  bool begins_stage = false;            ///< those of the bodies are not known: other dofs may have become free
+  std::vector<Vector6> body_increments; ///< prescribed, per rigid point, of the whole (possibly cut) step
+};
+
+/// A step can be solved again for another load (a shorter one after a cut); nothing committed changes.
+template <int dim> class TrialStep
+{
+public:
+  virtual ~TrialStep() = default;
+
+  /// Goes from the committed state to the end of the step. Collective.
+  virtual NewtonReport solve(const StepLoad& load, const Prediction& prediction) = 0;
+  /// The solution as a prediction for the next step; empty where none is asked for.
+  virtual Prediction predict_next() const = 0;
+
+  /// Of the solution: displacement and dF of every particle. Collective.
+  virtual ParticleIncrements particle_increments() const = 0;
+  /// Of the solution: how all rigid points move, and what their conditions exert on them. Collective.
+  virtual const std::vector<Vector6>& rigid_increments() const = 0;
+  virtual std::vector<Vector6> reactions() const = 0;
+  /// The step as the rigid points see it.
+  virtual RigidStep rigid_step() const = 0;
+
+  virtual long long n_dofs() const = 0;
+  /// Bytes that the basis of this rank's particles takes.
+  virtual double basis_bytes() const = 0;
+};
+} // namespace kedge

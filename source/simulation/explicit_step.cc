@@ -1,0 +1,246 @@
+#include <cmath>
+#include <fmt/format.h>
+#include <kedge/assembly/inertia.h>
+#include <kedge/base/communication.h>
+#include <kedge/simulation/explicit_step.h>
+
+namespace kedge
+{
+namespace
+{
+/// Beyond this the basis of the step's start no longer describes where a material point is.
+constexpr double most_cells_per_step = 0.25;
+
+/// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
+/// point enters a cell. Boxes need none, there values and gradients fade away together.
+double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; }
+} // namespace
+
+template <int dim>
+ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
+    : scene(scene_),
+      basis(
+          [this]
+          {
+            const auto scope = scene.timings.measure("basis");
+            return make_step_basis(scene, {});
+          }()),
+      exchange(dim, numbering_of(basis.nodes))
+{
+  if (scene.stage.rigid_bodies)
+  {
+    const auto scope = scene.timings.measure("contact search");
+    find_contact_pairs(scene, basis.nodes, rigid_step());
+  }
+  const auto scope = scene.timings.measure("lumped mass");
+  const std::vector<unsigned char> marks = find_constrained_dofs(scene, basis.nodes);
+  constrained = View<unsigned char*>("constrained", marks.size());
+  const auto host = Kokkos::create_mirror_view(constrained);
+  std::copy(marks.begin(), marks.end(), host.data());
+  Kokkos::deep_copy(constrained, host);
+
+  const ParticleArrays& particles = scene.particles.arrays();
+  const double share = least_share(scene.input.basis), scaling = scene.stage.stepping.mass_scaling;
+  weight = exchange.make_nodal_vector();
+  add_weight<dim>(particles, basis.stencils, scene.input.gravity, 1., weight);
+  exchange.sum_over_ranks(weight);
+
+  mass = View<double*>("lumped mass", basis.nodes.n_local());
+  add_lumped_mass(particles, basis.stencils, share, mass);
+  const NodalExchange nodes(1, numbering_of(basis.nodes));
+  nodes.sum_over_ranks(mass);
+  const View<double*> scaled = mass;
+  Kokkos::parallel_for(
+      "scale mass", Kokkos::RangePolicy<ExecutionSpace>(0, mass.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t v) { scaled(v) *= scaling; });
+
+  const double soil = max_over_ranks(largest_squared_frequency(particles, basis.stencils, scene.materials, share),
+                                     basis.nodes.communicator) /
+                      scaling;
+  critical_dt = 2. / std::sqrt(soil + contact_squared_frequency());
+}
+
+/// The contact springs at a node share its mass in proportion to their stiffness there: the squared frequency of a
+/// spring of stiffness k and weights w_v alone is then the sum over its nodes of w_v R_v, R_v being the sum over all
+/// springs of k w_v / m_v.
+template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
+{
+  if (!scene.stage.rigid_bodies)
+    return 0.;
+  const PointForces& points = scene.contact.points_of_last_evaluation();
+  const std::vector<double> stiffness = scene.contact.point_stiffness();
+  const View<double*> rate("contact stiffness", basis.nodes.n_local());
+  const auto host = Kokkos::create_mirror_view(rate);
+  for (std::size_t i = 0; i < points.n_points(); ++i)
+    for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
+      host(points.nodes[v]) += stiffness[i] * points.weights[v];
+  Kokkos::deep_copy(rate, host);
+  NodalExchange(1, numbering_of(basis.nodes)).sum_over_ranks(rate);
+  Kokkos::deep_copy(host, rate);
+  const auto node_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
+  double largest = 0.;
+  for (std::size_t i = 0; i < points.n_points(); ++i)
+  {
+    double sum = 0.;
+    for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
+      if (node_mass(points.nodes[v]) > 0.)
+        sum += points.weights[v] * host(points.nodes[v]) / node_mass(points.nodes[v]);
+    largest = std::max(largest, sum);
+  }
+  return max_over_ranks(largest, basis.nodes.communicator);
+}
+
+template <int dim> RigidStep ExplicitStep<dim>::rigid_step() const
+{
+  RigidStep step; // without a dt: what is prescribed needs no inertia
+  step.gravity = load.gravity_factor * to_world_axes(scene.input.gravity, dim);
+  step.fraction = load.step_fraction;
+  return step;
+}
+
+template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, const Prediction&)
+{
+  const auto scope = scene.timings.measure("time steps");
+  load = load_;
+  const SteppingParameters& stepping = scene.stage.stepping;
+  const double duration = load.step_fraction * step_length(stepping);
+  const double longest = stepping.dt > 0. ? stepping.dt : stepping.cfl * critical_dt;
+  const unsigned int n_time_steps = std::max(1., std::ceil(duration / longest * (1. - 1e-9)));
+  begin();
+
+  NewtonReport report;
+  const double dt = duration / n_time_steps;
+  impulse.assign(scene.bodies.points.size(), Vector6::Zero());
+  bool admissible = follow_forces(0.);
+  kick(0.5 * dt);
+  for (unsigned int k = 1; k <= n_time_steps && admissible; ++k)
+  {
+    drift(dt);
+    admissible = follow_forces(double(k) / n_time_steps);
+    kick(k == n_time_steps ? 0.5 * dt : dt);
+    ++report.iterations;
+  }
+  if (!admissible)
+    report.failure = "a material point turned inside out";
+  else if (const double way = largest_way_in_cells(); way > most_cells_per_step)
+    report.failure = fmt::format("a material point moved by {:.2g} of its cell", way);
+  report.converged = report.failure.empty();
+  return report;
+}
+
+/// Velocities of the nodes: their momentum over their mass.
+template <int dim> void ExplicitStep<dim>::begin()
+{
+  const ParticleArrays& particles = scene.particles.arrays();
+  start_velocity = exchange.make_nodal_vector();
+  velocity = exchange.make_nodal_vector();
+  increment = exchange.make_nodal_vector();
+  force = exchange.make_nodal_vector();
+  add_particle_momentum(particles, basis.stencils, particles.velocity, start_velocity);
+  exchange.sum_over_ranks(start_velocity);
+  const NodalVector start = start_velocity;
+  const View<double*> nodal_mass = mass;
+  const View<unsigned char*> held = constrained;
+  const double scaling = scene.stage.stepping.mass_scaling;
+  Kokkos::parallel_for(
+      "start velocity", Kokkos::RangePolicy<ExecutionSpace>(0, start.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+        const double m = nodal_mass(i / dim);
+        start(i) = held(i) || !(m > 0.) ? 0. : scaling * start(i) / m;
+      });
+  Kokkos::deep_copy(velocity, start_velocity);
+  path = begin_path(particles);
+}
+
+/// Unbalanced forces and trial state at the present increment; false where that is not admissible.
+template <int dim> bool ExplicitStep<dim>::follow_forces(const double fraction)
+{
+  const NodalVector internal = force, full_weight = weight;
+  Kokkos::deep_copy(force, 0.);
+  const unsigned long inverted = advance_stress_and_force<dim>(scene.particles.arrays(), basis.stencils,
+                                                               scene.materials, increment, path, force, basis.cells);
+  if (scene.stage.rigid_bodies)
+  {
+    body_increments = load.body_increments;
+    for (Vector6& body_increment : body_increments)
+      body_increment *= fraction;
+    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
+    add_point_forces(dim, scene.contact.evaluate(scene.bodies, body_increments, host.data()), -1., force);
+  }
+  else
+    body_increments.assign(scene.bodies.points.size(), Vector6::Zero());
+  exchange.sum_over_ranks(force);
+  const double factor = load.gravity_factor;
+  Kokkos::parallel_for(
+      "unbalanced force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { internal(i) = factor * full_weight(i) - internal(i); });
+  return sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) == 0;
+}
+
+/// Lets the unbalanced forces act for a time. Local damping opposes every velocity by a share of them (Cundall 1987).
+template <int dim> void ExplicitStep<dim>::kick(const double time)
+{
+  const NodalVector f = force, v = velocity;
+  const View<double*> nodal_mass = mass;
+  const View<unsigned char*> held = constrained;
+  const double damping = scene.stage.stepping.damping;
+  Kokkos::parallel_for(
+      "kick", Kokkos::RangePolicy<ExecutionSpace>(0, f.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+        const double m = nodal_mass(i / dim);
+        if (held(i) || !(m > 0.))
+          return;
+        const double opposed = v(i) == 0. ? 0. : std::copysign(damping * std::fabs(f(i)), v(i));
+        v(i) += time / m * (f(i) - opposed);
+      });
+  if (!scene.stage.rigid_bodies)
+    return;
+  const BodyLoads now = scene.contact.loads(scene.bodies, body_increments);
+  for (std::size_t i = 0; i < now.size(); ++i)
+    impulse[i] += time * now[i];
+}
+
+template <int dim> void ExplicitStep<dim>::drift(const double time)
+{
+  const NodalVector v = velocity, d = increment;
+  Kokkos::parallel_for(
+      "drift", Kokkos::RangePolicy<ExecutionSpace>(0, d.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { d(i) += time * v(i); });
+}
+
+template <int dim> double ExplicitStep<dim>::largest_way_in_cells() const
+{
+  const View<double* [3]> way = interpolate_to_particles(basis.stencils, increment);
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), way);
+  const LeafTable<dim>& table = scene.mesh.leaves();
+  double largest = 0.;
+  for (std::size_t p = 0; p < host.extent(0); ++p)
+    for (unsigned int d = 0; d < dim; ++d)
+      largest = std::max(largest, std::abs(host(p, d)) / table.leaves[scene.particles.leaves()[p]].size);
+  return max_over_ranks(largest, basis.nodes.communicator);
+}
+
+template <int dim> ParticleIncrements ExplicitStep<dim>::particle_increments() const
+{
+  ParticleIncrements increments;
+  increments.displacement = interpolate_to_particles(basis.stencils, increment);
+  increments.deformation_gradient = path.deformation_gradient;
+  const NodalVector change = exchange.make_nodal_vector();
+  const NodalVector start = start_velocity, end = velocity;
+  Kokkos::parallel_for(
+      "velocity change", Kokkos::RangePolicy<ExecutionSpace>(0, change.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { change(i) = end(i) - start(i); });
+  increments.motion = {interpolate_to_particles(basis.stencils, change),
+                       View<double* [3]>("acceleration", basis.stencils.n_particles)};
+  return increments;
+}
+
+template <int dim> std::vector<Vector6> ExplicitStep<dim>::reactions() const
+{
+  BodyLoads mean = impulse;
+  for (Vector6& body_load : mean)
+    body_load /= load.step_fraction * step_length(scene.stage.stepping);
+  return find_reactions(scene, rigid_step(), body_increments, mean);
+}
+
+template class ExplicitStep<2>;
+template class ExplicitStep<3>;
+} // namespace kedge

@@ -1,0 +1,116 @@
+#include <cmath>
+#include <kedge/simulation/step_basis.h>
+
+namespace kedge
+{
+double StepBasis::bytes() const
+{
+  return double(stencils.value.span() + stencils.gradient.span()) * sizeof(double) +
+         double(stencils.pattern_nodes.span() + stencils.pattern_particles.span() + cells.nodes.span()) *
+             sizeof(unsigned int) +
+         stencils.n_particles * (sizeof(unsigned int) + sizeof(std::size_t));
+}
+
+template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const GhostFactors& ghost_factors)
+{
+  const ParticleSet<dim>& particles = scene.particles;
+  const LeafTable<dim>& table = scene.mesh.leaves();
+  const MPI_Comm communicator = scene.mesh.triangulation().get_communicator();
+  HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
+                                          scene.input.basis == Basis::mpm);
+  std::vector<unsigned char> used(table.node_ids.size(), 0);
+  for (const unsigned int node : host.pattern_nodes)
+    used[node] = 1;
+  HostGhostFaces faces;
+  if (ghost_factors.stiffness > 0. || ghost_factors.mass > 0.)
+  {
+    const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+        table, particles.positions(), particles.half_widths(), download(particles.arrays().young),
+        download(particles.arrays().mass), scene.input.solver.poor_factor, communicator);
+    faces = find_ghost_faces<dim>(table, contents, ghost_factors);
+    for (const unsigned int node : faces.nodes)
+      used[node] = 1; // active already, but perhaps only through other ranks' particles
+  }
+  StepBasis basis;
+  basis.nodes = number_active_nodes<dim>(table, used, communicator);
+  basis.stencils = upload_stencils<dim>(std::move(host), basis.nodes.number);
+  if (scene.input.material_points.f_bar)
+    basis.cells = group_by_cell(basis.stencils, particles.leaves());
+  basis.ghost_faces = upload_ghost_faces(std::move(faces), basis.nodes.number);
+  return basis;
+}
+
+NodeNumbering numbering_of(const ActiveNodes& nodes)
+{
+  return {nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin};
+}
+
+template <int dim>
+std::vector<unsigned char> find_constrained_dofs(const StepScene<dim>& scene, const ActiveNodes& nodes)
+{
+  const LeafTable<dim>& table = scene.mesh.leaves();
+  const Stage& stage = scene.stage;
+  std::vector<unsigned char> constrained(static_cast<std::size_t>(dim) * nodes.n_local(), 0);
+  for (unsigned int v = 0; v < nodes.n_local(); ++v)
+    for (unsigned int axis = 0; axis < dim; ++axis)
+      for (const bool upper : {false, true})
+      {
+        const double face = upper ? table.upper_end(axis) : table.lower_end(axis);
+        if (std::abs(table.node_position[nodes.mesh_node[v]][axis] - face) > 1e-9 * table.base_size)
+          continue;
+        const FaceCondition condition = upper
+                                            ? stage.track.max[axis].type.value_or(stage.boundary_conditions.max[axis])
+                                            : stage.track.min[axis].type.value_or(stage.boundary_conditions.min[axis]);
+        for (unsigned int d = 0; d < dim; ++d)
+          if (condition == FaceCondition::fixed || (condition == FaceCondition::roller && d == axis))
+            constrained[dim * v + d] = 1;
+      }
+  return constrained;
+}
+
+template <int dim>
+void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, const RigidStep& whole)
+{
+  const RigidSystems& bodies = scene.bodies;
+  double reach = 0.;
+  const auto box = world_bounds(bodies);
+  const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
+  for (const RigidPoint& point : bodies.points)
+  {
+    const bool moves_freely = point.n_free_dofs() > 0;
+    const Vector6 expected = point.prescribed_increment(1.) + (moves_freely ? whole.dt : 0.) * point.velocity;
+    double way = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
+    if (moves_freely) // it may speed up
+      way = 2. * way + whole.gravity.norm() * whole.dt * whole.dt;
+    reach = std::max(reach, way);
+  }
+  const ParticleSet<dim>& particles = scene.particles;
+  const std::vector<double> volume = download(particles.arrays().initial_volume);
+  const std::vector<double> young = download(particles.arrays().young);
+  scene.contact.find_pairs(bodies, scene.mesh.leaves(),
+                           {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
+                           nodes.number, reach);
+}
+
+template <int dim>
+std::vector<Vector6> find_reactions(const StepScene<dim>& scene, const RigidStep& step,
+                                    const std::vector<Vector6>& increments, const BodyLoads& loads)
+{
+  const RigidSystems& bodies = scene.bodies;
+  if (scene.stage.rigid_bodies)
+    return rigid_reactions(bodies, rigid_balance(bodies, step, increments, loads), increments);
+  std::vector<Vector6> result(bodies.points.size(), Vector6::Zero());
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i].head<3>() = -bodies.points[i].mass * step.gravity;
+  return result;
+}
+
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template StepBasis make_step_basis<dim>(const StepScene<dim>&, const GhostFactors&);                                 \
+  template std::vector<unsigned char> find_constrained_dofs<dim>(const StepScene<dim>&, const ActiveNodes&);           \
+  template void find_contact_pairs<dim>(const StepScene<dim>&, const ActiveNodes&, const RigidStep&);                  \
+  template std::vector<Vector6> find_reactions<dim>(const StepScene<dim>&, const RigidStep&,                           \
+                                                    const std::vector<Vector6>&, const BodyLoads&);
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
+} // namespace kedge

@@ -1,0 +1,143 @@
+// Explicit dynamics: momentum, energy, and where the time step becomes unstable.
+#include "../bodies/shapes.h"
+#include "free_block.h"
+#include <kedge/simulation/explicit_step.h>
+
+using namespace kedge;
+
+namespace
+{
+/// The free block in explicit basis steps of 2 ms.
+struct Block : test::FreeBlock
+{
+  explicit Block(const double gravity) : FreeBlock(1e8, gravity, {0.25, 0.5, 0.})
+  {
+    stage.stepping.type = StageType::explicit_;
+    stage.stepping.final_time = 1.;
+    stage.stepping.basis_step = 2e-3;
+  }
+
+  NewtonReport advance()
+  {
+    ExplicitStep<3> problem(scene());
+    const NewtonReport report = problem.solve(load, {});
+    reactions = problem.reactions();
+    commit(problem);
+    return report;
+  }
+
+  double kinetic_energy() const
+  {
+    return sum([](double m, const auto&, const auto& v, const auto&)
+               { return Eigen::Vector3d(0.5 * m * v.squaredNorm(), 0., 0.); })[0];
+  }
+
+  std::vector<Vector6> reactions;
+};
+
+/// Velocities that stretch the block along x, bend it and turn it.
+Eigen::Vector3d lively(const Eigen::Vector3d& x) { return {std::sin(3. * x[0]) + x[2], 0.5 * x[0] * x[0], 0.3 - x[0]}; }
+} // namespace
+
+TEST(Explicit, FreeFallIsExact)
+{
+  Block block(-9.81);
+  const double start = block.centre()[2];
+  const unsigned int n_steps = 20;
+  for (unsigned int step = 0; step < n_steps; ++step)
+    ASSERT_GT(block.advance().iterations, 1u);
+  const double t = 2e-3 * n_steps;
+  EXPECT_NEAR(block.momentum()[2] / block.mass(), -9.81 * t, 1e-12);
+  EXPECT_NEAR(block.centre()[2] - start, -0.5 * 9.81 * t * t, 1e-12);
+}
+
+TEST(Explicit, InternalForcesKeepMomentum)
+{
+  Block block(-9.81);
+  block.load.gravity_factor = 0.;
+  block.set_velocities(lively);
+  const Eigen::Vector3d p = block.momentum();
+  const double energy = block.kinetic_energy();
+  for (unsigned int step = 0; step < 20; ++step)
+    ASSERT_TRUE(block.advance().converged);
+  EXPECT_LT((block.momentum() - p).norm(), 1e-12 * p.norm());
+  EXPECT_LT(block.kinetic_energy(), energy); // some of it is elastic by now, some lost in the projection
+  EXPECT_GT(block.kinetic_energy(), 0.1 * energy);
+}
+
+TEST(Explicit, MomentumIsTheImpulseOfContactAndWeight)
+{
+  Block block(-9.81);
+  block.stage.rigid_bodies = true;
+  block.bodies.points.emplace_back();
+  block.bodies.points[0].pose.position = {1., 1., 1.};
+  block.bodies.points[0].conditions.fill({DofCondition::Kind::fixed, 0.});
+  block.bodies.surfaces.push_back({Surface(test::box({-0.3, -0.3, 0.}, {0.3, 0.3, 0.5})), 0});
+  Vector6 push = Vector6::Zero();
+  push[2] = -1e-3;
+  block.load.body_increments = {push};
+  for (unsigned int step = 0; step < 2; ++step)
+    ASSERT_TRUE(block.advance().converged);
+  const Eigen::Vector3d before = block.momentum();
+  block.advance();
+  const Eigen::Vector3d weight(0., 0., -9.81 * block.mass());
+  ASSERT_GT(std::abs(block.reactions[0][2]), 10.);
+  const Eigen::Vector3d impulse = 2e-3 * (block.reactions[0].head<3>() + weight);
+  EXPECT_LT((block.momentum() - before - impulse).norm(), 1e-12 * impulse.norm());
+}
+
+/// Twice the mass, and the stable step grows by the root of two; a basis of boxes has a finite one wherever they are.
+TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
+{
+  Block block(-9.81);
+  const double at_rest = ExplicitStep<3>(block.scene()).critical_time_step();
+  block.stage.stepping.mass_scaling = 2.;
+  EXPECT_NEAR(ExplicitStep<3>(block.scene()).critical_time_step(), std::sqrt(2.) * at_rest, 1e-12 * at_rest);
+  block.stage.stepping.mass_scaling = 1.;
+
+  double least = at_rest;
+  for (unsigned int shift = 0; shift < 10; ++shift)
+  {
+    for (auto& particle : block.particles.handler())
+    {
+      auto x = particle.get_location();
+      x[0] += 0.0113;
+      particle.set_location(x);
+    }
+    block.particles.handler().sort_particles_into_subdomains_and_cells();
+    block.particles.load();
+    least = std::min(least, ExplicitStep<3>(block.scene()).critical_time_step());
+  }
+  EXPECT_GT(least, 0.7 * at_rest);
+}
+
+/// The bound is safe, and what it gives away is less than half.
+TEST(Explicit, StableStepIsWhereTheoryPutsIt)
+{
+  const auto grows = [](const double share)
+  {
+    Block block(-9.81);
+    block.load.gravity_factor = 0.;
+    block.set_velocities([](const Eigen::Vector3d& x) { return Eigen::Vector3d(1e-6 * lively(50. * x)); });
+    ExplicitStep<3> step(block.scene());
+    block.stage.stepping.dt = share * step.critical_time_step();
+    block.stage.stepping.basis_step = 600. * block.stage.stepping.dt;
+    const double energy = block.kinetic_energy();
+    const NewtonReport report = step.solve(block.load, {});
+    if (!report.converged)
+      return true;
+    block.commit(step);
+    return block.kinetic_energy() > 1.5 * energy;
+  };
+  EXPECT_FALSE(grows(0.99));
+  EXPECT_TRUE(grows(1.8));
+}
+
+TEST(Explicit, AStepThatGoesTooFarFails)
+{
+  Block block(-9.81);
+  block.set_velocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(40., 0., 0.); });
+  const NewtonReport report = ExplicitStep<3>(block.scene()).solve(block.load, {});
+  EXPECT_FALSE(report.converged);
+  EXPECT_NE(report.failure.find("of its cell"), std::string::npos) << report.failure;
+}
