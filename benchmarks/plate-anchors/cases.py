@@ -23,6 +23,7 @@ class Case:
     velocity: float = 0.02
     mass_scaling: float = 16.
     distance: float = 0.05
+    uniform: bool = False  # cells of that size everywhere
 
     @property
     def name(self):
@@ -56,19 +57,22 @@ class Case:
         """What --set says of it; `surface` is the file that `geometry` wrote."""
         step = STEP_IN_CELLS * self.cell
         motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
+        mesh = [f"analysis.0.adaptivity.element size={self.cell:g}",
+                f"analysis.0.adaptivity.element size in region={self.cell:g}"]
+        if self.uniform:
+            mesh = [f"material points.element size={self.cell:g}", 'analysis.0.adaptivity={"type": "none"}']
         return [f"rigid bodies.0.stl files.0.stl={surface}",
                 f"rigid bodies.0.points.0.position=[{BASE_AT + 0.005:g}, 0, {SAND - self.depth:g}]",
                 f"material points.layers.0.material.friction angle={self.friction_angle:g}",
                 f"material points.layers.0.material.E={self.young:g}",
                 f"material points.material size.max=[{BOX_LENGTH:g}, {self.half_width:g}]",
                 f"contact.friction coefficient={math.tan(math.radians(self.friction_angle)):.6g}",
-                f"analysis.0.adaptivity.element size={self.cell:g}",
-                f"analysis.0.adaptivity.element size in region={self.cell:g}",
+                *mesh,
                 f"analysis.0.basis step={step / self.velocity:g}",
                 f"analysis.0.final time={self.distance / self.velocity:g}",
                 f"analysis.0.mass scaling={self.mass_scaling:g}",
                 f"{motion}={step:g}",
-                "output.vtk percent=100", "output.csv percent=0"]
+                "output.vtk percent=100", "output.csv percent=0", "output.checkpoint every=10"]
 
 
 def mean_at_end(curve, way=0.01):

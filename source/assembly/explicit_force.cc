@@ -11,7 +11,7 @@ ParticlePath begin_path(const ParticleArrays& particles)
   Kokkos::parallel_for(
       "begin path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
         for (int i = 0; i < 9; ++i)
-          path.deformation_gradient(p, i) = i % 4 == 0 ? 1. : 0.;
+          path.inverse_deformation(p, i) = i % 4 == 0 ? 1. : 0.;
         particles.trial_plastic(p) = 0.;
       });
   return path;
@@ -29,24 +29,25 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        const Eigen::Matrix3d now = stretch<dim>(dF, factor, p);
+        const Eigen::Matrix3d to_start = inverse(dF);
         Eigen::Matrix3d before;
         SymmetricTensor b;
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
-            before(r, c) = path.deformation_gradient(p, 3 * r + c);
+            before(r, c) = path.inverse_deformation(p, 3 * r + c);
         for (int c = 0; c < 6; ++c)
           b[c] = path.left_cauchy_green(p, c);
-        const StressUpdate update =
-            advance_stress(now * inverse(before), b, particles.young(p), materials(particles.layer(p)));
+        const StressUpdate update = advance_stress(stretch<dim>(dF, factor, p) * before, b, particles.young(p),
+                                                   materials(particles.layer(p)));
         if (update.status == Status::inverted || !(determinant(dF) > 0.))
         {
           ++inverted;
           return;
         }
+        const double shrink = factor.extent(0) > 0 ? 1. / factor(p) : 1.; // the inverse of stretch()
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
-            path.deformation_gradient(p, 3 * r + c) = now(r, c);
+            path.inverse_deformation(p, 3 * r + c) = (r < dim && c < dim ? shrink : 1.) * to_start(r, c);
         for (int c = 0; c < 6; ++c)
         {
           path.left_cauchy_green(p, c) = b[c];
@@ -54,7 +55,7 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
           particles.trial_strain(p, c) = update.elastic_strain[c];
         }
         particles.trial_plastic(p) += update.plastic_increment;
-        add_internal_force<dim>(particles, stencils, p, update.stress, dF, force);
+        add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },
       n_inverted);
   return n_inverted;

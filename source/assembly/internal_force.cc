@@ -52,7 +52,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
         }
         particles.trial_plastic(p) = update.plastic_increment;
 
-        add_internal_force<dim>(particles, stencils, p, update.stress, dF, force);
+        add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
       },
       n_inverted);
   return n_inverted;

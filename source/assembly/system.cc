@@ -88,9 +88,14 @@ void add_point_forces(const unsigned int dim, const PointForces& points, const d
 {
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), force);
   for (std::size_t i = 0; i < points.n_points(); ++i)
+  {
+    const double* f = &points.force[3 * i];
+    if (f[0] == 0. && f[1] == 0. && f[2] == 0.) // most of them touch nothing
+      continue;
     for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
       for (unsigned int d = 0; d < dim; ++d)
-        host(static_cast<std::size_t>(dim) * points.nodes[v] + d) += sign * points.weights[v] * points.force[3 * i + d];
+        host(static_cast<std::size_t>(dim) * points.nodes[v] + d) += sign * points.weights[v] * f[d];
+  }
   Kokkos::deep_copy(force, host);
 }
 

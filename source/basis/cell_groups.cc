@@ -3,7 +3,8 @@
 
 namespace kedge
 {
-CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle)
+CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle,
+                         const std::vector<unsigned char>& is_full)
 {
   const std::vector<unsigned int> pattern = download(stencils.pattern_of_particle);
   const std::vector<unsigned int> pattern_begin = download(stencils.pattern_node_begin);
@@ -13,7 +14,9 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
   for (std::size_t begin = 0, end = 0; begin < n; begin = end)
   {
     unsigned int last = pattern[begin]; // the patterns of a cell follow each other, beginning with that of its first
-    for (end = begin; end < n && leaf_of_particle[end] == leaf_of_particle[begin]; ++end)
+    const unsigned int leaf = leaf_of_particle[begin];
+    const std::size_t most = is_full[leaf] ? n : begin + 1;
+    for (end = begin; end < most && leaf_of_particle[end] == leaf; ++end)
       last = std::max(last, pattern[end]);
     nodes.insert(nodes.end(), pattern_nodes.begin() + pattern_begin[pattern[begin]],
                  pattern_nodes.begin() + pattern_begin[last + 1]);

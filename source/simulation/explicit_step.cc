@@ -9,7 +9,7 @@ namespace kedge
 namespace
 {
 /// Beyond this the basis of the step's start no longer describes where a material point is.
-constexpr double most_cells_per_step = 0.25;
+constexpr double most_cells_per_step = 0.75;
 
 /// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
 /// point enters a cell. Boxes need none, there values and gradients fade away together.
@@ -123,7 +123,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, 
   if (!admissible)
     report.failure = "a material point turned inside out";
   else if (const double way = largest_way_in_cells(); way > most_cells_per_step)
-    report.failure = fmt::format("a material point moved by {:.2g} of its cell", way);
+    report.failure = fmt::format("a material point moved by {:.2g} of a cell", way);
   report.converged = report.failure.empty();
   return report;
 }
@@ -220,9 +220,8 @@ template <int dim> double ExplicitStep<dim>::largest_way_in_cells() const
 
 template <int dim> ParticleIncrements ExplicitStep<dim>::particle_increments() const
 {
-  ParticleIncrements increments;
-  increments.displacement = interpolate_to_particles(basis.stencils, increment);
-  increments.deformation_gradient = path.deformation_gradient;
+  ParticleIncrements increments =
+      interpolate_increments<dim>(scene.particles.arrays(), basis.stencils, increment, basis.cells);
   const NodalVector change = exchange.make_nodal_vector();
   const NodalVector start = start_velocity, end = velocity;
   Kokkos::parallel_for(

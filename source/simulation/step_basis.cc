@@ -3,6 +3,28 @@
 
 namespace kedge
 {
+namespace
+{
+/// Share of a cell that soil as dense as at the start must take for its particles to share their change of volume.
+constexpr double full_share = 0.9;
+
+/// Marks the leaves (owned and ghost) that are full. Where there is empty space the soil that faces it may expand, and
+/// must not lend its neighbours in the cell the pressure that they then press it on with. Collective.
+template <int dim> std::vector<unsigned char> find_full_leaves(const StepScene<dim>& scene)
+{
+  const ParticleSet<dim>& particles = scene.particles;
+  const LeafTable<dim>& table = scene.mesh.leaves();
+  const std::vector<double> initial_volume = download(particles.arrays().initial_volume);
+  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+      table, particles.positions(), particles.half_widths(), download(particles.arrays().young), initial_volume, 0.,
+      scene.mesh.triangulation().get_communicator());
+  std::vector<unsigned char> is_full(contents.size());
+  for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
+    is_full[leaf] = contents[leaf].mass >= full_share * std::pow(table.leaves[leaf].size, dim);
+  return is_full;
+}
+} // namespace
+
 double StepBasis::bytes() const
 {
   return double(stencils.value.span() + stencils.gradient.span()) * sizeof(double) +
@@ -35,7 +57,7 @@ template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const 
   basis.nodes = number_active_nodes<dim>(table, used, communicator);
   basis.stencils = upload_stencils<dim>(std::move(host), basis.nodes.number);
   if (scene.input.material_points.f_bar)
-    basis.cells = group_by_cell(basis.stencils, particles.leaves());
+    basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves(scene));
   basis.ghost_faces = upload_ghost_faces(std::move(faces), basis.nodes.number);
   return basis;
 }

@@ -8,8 +8,8 @@ namespace kedge
 /// Where the particles are on their way through a step: the stress follows the path, not the increment of the whole.
 struct ParticlePath
 {
-  View<double* [6]> left_cauchy_green;    ///< elastic, exp(2 eps_e)
-  View<double* [9]> deformation_gradient; ///< since the start of the step, of F-bar where it is on
+  View<double* [6]> left_cauchy_green;   ///< elastic, exp(2 eps_e)
+  View<double* [9]> inverse_deformation; ///< inverse of dF since the start of the step, of F-bar where it is on
 };
 
 /// At the committed state.

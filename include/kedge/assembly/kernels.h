@@ -101,13 +101,14 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
   return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
 }
 
-/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S.
+/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S with the
+/// inverse of dF, `to_start`.
 template <int dim>
 KEDGE_FUNCTION void add_internal_force(const ParticleArrays& particles, const StencilSet& stencils,
-                                       const unsigned int p, const SymmetricTensor& stress, const Eigen::Matrix3d& dF,
+                                       const unsigned int p, const SymmetricTensor& stress, const Eigen::Matrix3d& to_start,
                                        const View<double*>& force)
 {
-  const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * inverse(dF).transpose();
+  const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * to_start.transpose();
   const unsigned int pattern = stencils.pattern_of_particle(p);
   const unsigned int first = stencils.pattern_node_begin(pattern);
   const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;

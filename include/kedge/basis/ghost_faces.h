@@ -42,7 +42,7 @@ struct LeafContent
 {
   double volume = 0.;    ///< of the particles' boxes in it, m3 (2-D: m2)
   double stiffness = 0.; ///< volume times Young's modulus
-  double mass = 0.;      ///< kg (2-D: kg/m)
+  double mass = 0.;      ///< kg (2-D: kg/m), or the sum of whatever was given for it
   double boundary = 0.;  ///< 1: has an unpopulated face neighbour or is filled below the poor factor
 };
 

@@ -18,7 +18,7 @@ public:
   /// Overlaps particles with cells, numbers the active nodes and finds the stable time step. Collective.
   explicit ExplicitStep(const StepScene<dim>& scene);
 
-  /// Fails where a material point turns inside out or moves by more than a quarter of its cell. Collective.
+  /// Fails where a material point turns inside out or moves by more than three quarters of its cell. Collective.
   NewtonReport solve(const StepLoad& load, const Prediction& prediction) override;
   Prediction predict_next() const override { return {}; }
 

@@ -47,7 +47,7 @@ template <int dim> struct Discretisation
       used[node] = 1;
     nodes = number_active_nodes<dim>(table, used, mesh.triangulation().get_communicator());
     stencils = upload_stencils<dim>(std::move(host), nodes.number);
-    cells = group_by_cell(stencils, particles.leaves());
+    cells = group_by_cell(stencils, particles.leaves(), std::vector<unsigned char>(mesh.leaves().leaves.size(), 1));
     for (const unsigned int node : nodes.mesh_node)
       position.push_back(table.node_position[node]);
   }

@@ -135,7 +135,8 @@ TYPED_TEST(Stencils, SortTheNodesOfEveryPattern)
 TYPED_TEST(Stencils, GroupTheParticlesOfACellWithAllTheNodesThatTheySee)
 {
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
-  const CellGroups cells = group_by_cell(set, this->leaf);
+  const unsigned int n_leaves = *std::max_element(this->leaf.begin(), this->leaf.end()) + 1;
+  const CellGroups cells = group_by_cell(set, this->leaf, std::vector<unsigned char>(n_leaves, 1));
   const auto particle_begin = on_host(cells.particle_begin), node_begin = on_host(cells.node_begin);
   const auto nodes = on_host(cells.nodes), pattern_of = on_host(set.pattern_of_particle);
   const auto pattern_begin = on_host(set.pattern_node_begin), pattern_nodes = on_host(set.pattern_nodes);
@@ -153,6 +154,22 @@ TYPED_TEST(Stencils, GroupTheParticlesOfACellWithAllTheNodesThatTheySee)
     const std::vector<unsigned int> expected(seen.begin(), seen.end());
     ASSERT_EQ(std::vector<unsigned int>(nodes.data() + node_begin(c), nodes.data() + node_begin(c + 1)), expected);
   }
+}
+
+TYPED_TEST(Stencils, LeaveTheParticlesOfACellThatIsNotFullAlone)
+{
+  const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
+  std::vector<unsigned char> is_full(*std::max_element(this->leaf.begin(), this->leaf.end()) + 1, 1);
+  const unsigned int open = this->leaf[this->leaf.size() / 2];
+  is_full[open] = 0;
+  const CellGroups cells = group_by_cell(set, this->leaf, is_full);
+  const auto particle_begin = on_host(cells.particle_begin);
+  const auto n_open = std::count(this->leaf.begin(), this->leaf.end(), open);
+  ASSERT_GT(n_open, 1);
+  EXPECT_EQ(cells.n_cells(), std::set<unsigned int>(this->leaf.begin(), this->leaf.end()).size() + n_open - 1);
+  for (std::size_t c = 0; c < cells.n_cells(); ++c)
+    if (this->leaf[particle_begin(c)] == open)
+      EXPECT_EQ(particle_begin(c + 1), particle_begin(c) + 1);
 }
 
 TYPED_TEST(Stencils, ListEachParticleOnceUnderItsPattern)

@@ -1,0 +1,105 @@
+// Forces along a path, the lumped mass and the bound on the frequencies.
+#include "block.h"
+#include <gtest/gtest.h>
+#include <kedge/assembly/explicit_force.h>
+
+using namespace kedge;
+using test::on_host;
+
+namespace
+{
+template <typename Dimension> class ExplicitForce : public testing::Test
+{
+public:
+  static constexpr int dim = Dimension::value;
+
+  /// Internal force after following the increments one after the other, on this rank's nodes.
+  static std::vector<double> follow(const test::Block<dim>& block, const std::vector<double>& shares,
+                                    const CellGroups& cells)
+  {
+    const auto system = block.parts->make_system();
+    const TpetraVector whole = block.parts->owned(*system, test::Block<dim>::random_field(0.02, 5));
+    const ParticlePath path = begin_path(block.particles.arrays());
+    NodalVector force;
+    for (const double share : shares)
+    {
+      TpetraVector part(whole, Teuchos::Copy);
+      part.scale(share);
+      force = system->make_nodal_vector();
+      EXPECT_EQ(advance_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials,
+                                              system->spread(part), path, force, cells),
+                0u);
+    }
+    const auto host = on_host(force);
+    return {host.data(), host.data() + host.extent(0)};
+  }
+
+  static double difference(const std::vector<double>& a, const std::vector<double>& b)
+  {
+    double largest = 0., scale = 0.;
+    for (std::size_t i = 0; i < a.size(); ++i)
+    {
+      largest = std::max(largest, std::abs(a[i] - b[i]));
+      scale = std::max(scale, std::abs(b[i]));
+    }
+    return largest / scale;
+  }
+};
+
+using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
+TYPED_TEST_SUITE(ExplicitForce, Dimensions, test::DimensionName);
+} // namespace
+
+TYPED_TEST(ExplicitForce, OneIncrementIsThatOfTheImplicitStep)
+{
+  constexpr int dim = TypeParam::value;
+  const test::Block<dim> block(MaterialType::mohr_coulomb);
+  for (const CellGroups& cells : {CellGroups(), block.parts->cells})
+  {
+    const auto system = block.parts->make_system();
+    const NodalVector force = system->make_nodal_vector();
+    const TpetraVector whole = block.parts->owned(*system, test::Block<dim>::random_field(0.02, 5));
+    update_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials,
+                                 system->spread(whole), force, cells);
+    const auto host = on_host(force);
+    const std::vector<double> expected(host.data(), host.data() + host.extent(0));
+    EXPECT_LT(this->difference(this->follow(block, {1.}, cells), expected), 1e-11);
+  }
+}
+
+TYPED_TEST(ExplicitForce, ElasticSoilForgetsItsPath)
+{
+  const test::Block<TypeParam::value> block(MaterialType::elastic);
+  for (const CellGroups& cells : {CellGroups(), block.parts->cells})
+    EXPECT_LT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, cells), this->follow(block, {1.}, cells)), 1e-10);
+}
+
+TYPED_TEST(ExplicitForce, PlasticSoilRemembersItsPath)
+{
+  const test::Block<TypeParam::value> block(MaterialType::mohr_coulomb);
+  const std::vector<double> straight = this->follow(block, {1.}, {});
+  EXPECT_GT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, {}), straight), 1e-3);
+  EXPECT_LT(this->difference(this->follow(block, {0.25, 0.5, 0.75, 1.}, {}), straight), 0.2);
+}
+
+/// Sum of the masses: that of the particles, and more where a least share is asked for.
+TYPED_TEST(ExplicitForce, LumpedMassIsThatOfTheSoil)
+{
+  const test::Block<TypeParam::value> block(MaterialType::elastic);
+  const auto sum = [](const kedge::View<double*>& view)
+  {
+    const auto host = on_host(view);
+    double total = 0.;
+    for (std::size_t i = 0; i < host.extent(0); ++i)
+      total += host(i);
+    return total;
+  };
+  const kedge::View<double*> mass("mass", block.parts->nodes.n_local()), more("mass", block.parts->nodes.n_local());
+  add_lumped_mass(block.particles.arrays(), block.parts->stencils, 0., mass);
+  add_lumped_mass(block.particles.arrays(), block.parts->stencils, 0.02, more);
+  EXPECT_NEAR(sum(mass), sum(block.particles.arrays().mass), 1e-12 * sum(mass));
+  EXPECT_GT(sum(more), sum(mass) * (1. + 1e-6));
+  EXPECT_LT(sum(more), sum(mass) * 1.6);
+  EXPECT_LT(largest_squared_frequency(block.particles.arrays(), block.parts->stencils, block.materials, 0.02),
+            largest_squared_frequency(block.particles.arrays(), block.parts->stencils, block.materials, 0.));
+}
