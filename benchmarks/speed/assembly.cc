@@ -1,6 +1,7 @@
 // Time per particle of the kernels of a Newton iteration: stress and internal force, tangent scattered into the matrix.
 #include <benchmark/benchmark.h>
 #include <cmath>
+#include <kedge/assembly/explicit_force.h>
 #include <kedge/assembly/system.h>
 #include <kedge/basis/active_nodes.h>
 #include <kedge/basis/gimp.h>
@@ -155,6 +156,28 @@ void newton_iteration(benchmark::State& state, const MaterialType type, const do
   block.report(state);
 }
 
+/// A time step of explicit dynamics: forces, and nodes that move to and fro.
+void time_step(benchmark::State& state, const MaterialType type, const double shift)
+{
+  const Block block(type, shift);
+  const ParticlePath path = begin_path(block.particles.arrays());
+  const NodalVector x = block.increment, v = block.system->make_nodal_vector(), f = block.force;
+  double sign = 1e-3;
+  for (auto _ : state)
+  {
+    Kokkos::deep_copy(f, 0.);
+    advance_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, x, path, f);
+    sign = -sign;
+    const double dt = sign;
+    Kokkos::parallel_for(
+        "move", Kokkos::RangePolicy<ExecutionSpace>(0, x.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+          v(i) = 0.5 * v(i) - 1e-12 * f(i);
+          x(i) += dt * (x(i) + v(i));
+        });
+  }
+  block.report(state);
+}
+
 /// Overlaps and shape functions, once per step.
 void stencils(benchmark::State& state, const double shift)
 {
@@ -174,6 +197,7 @@ constexpr double at_rest = 0., moved = 0.1;
   BENCHMARK_CAPTURE(name, mohr_coulomb_8_nodes, MaterialType::mohr_coulomb, at_rest)->Unit(benchmark::kMillisecond);   \
   BENCHMARK_CAPTURE(name, mohr_coulomb_27_nodes, MaterialType::mohr_coulomb, moved)->Unit(benchmark::kMillisecond)
 KEDGE_BENCHMARK(stress_and_force);
+KEDGE_BENCHMARK(time_step);
 KEDGE_BENCHMARK(tangent);
 KEDGE_BENCHMARK(newton_iteration);
 BENCHMARK_CAPTURE(stencils, 8_nodes, at_rest)->Unit(benchmark::kMillisecond);

@@ -37,8 +37,8 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
             before(r, c) = path.inverse_deformation(p, 3 * r + c);
         for (int c = 0; c < 6; ++c)
           b[c] = path.left_cauchy_green(p, c);
-        const StressUpdate update = advance_stress(stretch<dim>(dF, factor, p) * before, b, particles.young(p),
-                                                   materials(particles.layer(p)));
+        const StressUpdate update =
+            advance_stress(stretch<dim>(dF, factor, p) * before, b, particles.young(p), materials(particles.layer(p)));
         if (update.status == Status::inverted || !(determinant(dF) > 0.))
         {
           ++inverted;

@@ -10,6 +10,10 @@ namespace kedge
 {
 namespace
 {
+/// What a body's way (m) takes off the reference gaps of corners that were inside it at the start: over four times
+/// their depth they fade, slowly enough for the soil to give way.
+constexpr double fading_per_way = 0.25;
+
 /// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
 constexpr double nudge = 1e-6;
 
@@ -210,8 +214,11 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     if (!closest)
       continue;
     pair.gap = closest->gap;
-    // a corner that comes out of its first penetration finds the true surface when it returns
-    pair.trial.reference_gap = std::min(0., std::max(pair.committed.reference_gap, closest->gap));
+    // a corner that comes out of its first penetration finds the true surface when it returns; while its body moves,
+    // the surface comes to meet it
+    const double way = (now.to_world(before.to_body(pair.start)) - pair.start).norm();
+    pair.trial.reference_gap =
+        std::min(0., std::max(pair.committed.reference_gap + fading_per_way * way, closest->gap));
 
     ContactGeometry at;
     at.distance = closest->gap;

@@ -15,9 +15,9 @@ template <int dim> std::vector<unsigned char> find_full_leaves(const StepScene<d
   const ParticleSet<dim>& particles = scene.particles;
   const LeafTable<dim>& table = scene.mesh.leaves();
   const std::vector<double> initial_volume = download(particles.arrays().initial_volume);
-  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-      table, particles.positions(), particles.half_widths(), download(particles.arrays().young), initial_volume, 0.,
-      scene.mesh.triangulation().get_communicator());
+  const std::vector<LeafContent> contents =
+      find_leaf_contents<dim>(table, particles.positions(), particles.half_widths(), download(particles.arrays().young),
+                              initial_volume, 0., scene.mesh.triangulation().get_communicator());
   std::vector<unsigned char> is_full(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
     is_full[leaf] = contents[leaf].mass >= full_share * std::pow(table.leaves[leaf].size, dim);

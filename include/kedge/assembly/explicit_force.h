@@ -29,8 +29,9 @@ void add_lumped_mass(const ParticleArrays& particles, const StencilSet& stencils
                      const View<double*>& mass);
 
 /// Upper bound of the squared circular frequencies (1/s2) of this rank's soil with that mass: the largest of any
-/// particle alone, since no system is faster than its fastest part (Irons & Treharne 1971). A particle with its share m S_v of the mass has one of at most V/m times the largest
-/// eigenvalue of the elasticity, 3 bulk or 2 shear, times that of the sum over nodes of grad S_v (x) grad S_v / S_v.
+/// particle alone, since no system is faster than its fastest part (Irons & Treharne 1971). A particle with its share m
+/// S_v of the mass has one of at most V/m times the largest eigenvalue of the elasticity, 3 bulk or 2 shear, times that
+/// of the sum over nodes of grad S_v (x) grad S_v / S_v.
 double largest_squared_frequency(const ParticleArrays& particles, const StencilSet& stencils,
                                  const Materials& materials, double least_share);
 } // namespace kedge

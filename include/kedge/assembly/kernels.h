@@ -105,8 +105,8 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
 /// inverse of dF, `to_start`.
 template <int dim>
 KEDGE_FUNCTION void add_internal_force(const ParticleArrays& particles, const StencilSet& stencils,
-                                       const unsigned int p, const SymmetricTensor& stress, const Eigen::Matrix3d& to_start,
-                                       const View<double*>& force)
+                                       const unsigned int p, const SymmetricTensor& stress,
+                                       const Eigen::Matrix3d& to_start, const View<double*>& force)
 {
   const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * to_start.transpose();
   const unsigned int pattern = stencils.pattern_of_particle(p);

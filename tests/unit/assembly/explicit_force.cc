@@ -71,7 +71,8 @@ TYPED_TEST(ExplicitForce, ElasticSoilForgetsItsPath)
 {
   const test::Block<TypeParam::value> block(MaterialType::elastic);
   for (const CellGroups& cells : {CellGroups(), block.parts->cells})
-    EXPECT_LT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, cells), this->follow(block, {1.}, cells)), 1e-10);
+    EXPECT_LT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, cells), this->follow(block, {1.}, cells)),
+              1e-10);
 }
 
 TYPED_TEST(ExplicitForce, PlasticSoilRemembersItsPath)

@@ -249,6 +249,25 @@ TYPED_TEST(PressedBox, BuriedBoxFindsTheTrueSurfaceOnItsReturn)
   }
 }
 
+TYPED_TEST(PressedBox, BuriedBoxMeetsTheSoilAsItMovesAlong)
+{
+  typename TestFixture::Block block(0., 2e-2);
+  block.find_pairs(0.1);
+  block.contact.take_reference_gaps(block.bodies);
+  const auto along = [](const auto&, const unsigned int d) { return d == 0 ? 1e-2 : 0.; };
+  block.evaluate(along, test::translation(1e-2, 0., 0.)); // box and soil together
+  EXPECT_EQ(block.load().norm(), 0.);
+  block.contact.commit();
+  std::size_t n_buried = 0;
+  for (const ContactRecord& record : block.contact.export_history())
+    if (record.reference_gap < 0.)
+    {
+      ++n_buried;
+      EXPECT_NEAR(record.reference_gap, -2e-2 + 0.25 * 1e-2, 1e-9);
+    }
+  EXPECT_GT(n_buried, 0u);
+}
+
 TYPED_TEST(PressedBox, TellsEachParticlesSmallestGap)
 {
   typename TestFixture::Block block(0., 1e-3);
