@@ -131,7 +131,7 @@ the area of the plate, and that ratio over that of the thin square plate: the mo
             try:
                 front, back = result.mobilised(plane, at)
             except PlotError:
-                row += ["-"] * 4
+                row += ["-"] * (5 if name == "vertical" else 4)
                 continue
             ratio = (front - back) / result.case.area
             factor = ratio / first.setdefault(name, ratio)
