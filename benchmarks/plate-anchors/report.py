@@ -54,15 +54,14 @@ class Result:
         return stage["material points"], stage["time steps"], summary["wall time"]["total"]
 
     def mobilised(self, plane, at):
-        """Areas in a section with more than MOVED of the plate's displacement, in front of and behind its back face.
-        The section runs through a half model: the horizontal one counts twice."""
+        """Areas in a section of the half model with more than MOVED of the plate's displacement, in front of and behind
+        its back face."""
         grids, step = self.run.soil()
         section = cut(grids, self.run.surface(step), plane, at, "displacement magnitude")
         moved = section.values > MOVED * self.curve.displacement.max()
         centre = (section.lower[:, 0] + section.upper[:, 0]) / 2.
         front = centre > 0.4 + self.curve.displacement.max()
-        factor = 2. if plane == "z" else 1.
-        areas = factor * section.areas()
+        areas = section.areas()
         return areas[moved & front].sum(), areas[moved & ~front].sum()
 
 
@@ -120,8 +119,10 @@ def _shapes(results):
 def _mobilised(results):
     text = f"""### Mobilised soil (tables 3 and 4)
 
-Area that moved by more than {100. * MOVED:.0f} % of the plate's way, in front of the plate's back face less behind it, over
-the area of the plate, and that ratio over that of the thin square plate: the mobilisation factor.
+Area that moved by more than {100. * MOVED:.0f} % of the plate's way, in front of the plate's back face and behind it, and the
+mobilisation factor: the difference of the two over the area of the plate, over the same ratio of the thin square plate. In
+brackets what the paper prints, in mm²: less than a hundredth of the plate's own area, so that cm² must be meant, and the horizontal
+ones of the half model, as here.
 
 """
     rows, first = [], {}
@@ -133,10 +134,11 @@ the area of the plate, and that ratio over that of the thin square plate: the mo
             except PlotError:
                 row += ["-"] * (5 if name == "vertical" else 4)
                 continue
+            published = REFERENCE["mobilised area"][result.case.shape][name]
             ratio = (front - back) / result.case.area
             factor = ratio / first.setdefault(name, ratio)
             known = REFERENCE["mobilisation factor"].get(result.case.shape, {})
-            row += [f"{1e4 * front:.0f}", f"{1e4 * back:.0f}", f"{factor:.2f}", f"{known.get(name, 1.):.2f}"]
+            row += [f"{1e4 * front:.0f} ({published[0]:.0f})", f"{1e4 * back:.0f} ({published[1]:.0f})", f"{factor:.2f}", f"{known.get(name, 1.):.2f}"]
             if name == "vertical":
                 row.append(f"{known.get('laboratory, vertical', 1.):.2f}")
         rows.append(row)

@@ -169,7 +169,9 @@ TYPED_TEST(Stencils, LeaveTheParticlesOfACellThatIsNotFullAlone)
   EXPECT_EQ(cells.n_cells(), std::set<unsigned int>(this->leaf.begin(), this->leaf.end()).size() + n_open - 1);
   for (std::size_t c = 0; c < cells.n_cells(); ++c)
     if (this->leaf[particle_begin(c)] == open)
+    {
       EXPECT_EQ(particle_begin(c + 1), particle_begin(c) + 1);
+    }
 }
 
 TYPED_TEST(Stencils, ListEachParticleOnceUnderItsPattern)
