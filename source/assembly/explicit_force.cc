@@ -6,7 +6,7 @@ namespace kedge
 {
 ParticlePath begin_path(const ParticleArrays& particles)
 {
-  ParticlePath path{View<double* [6]>("path b", particles.n), View<double* [9]>("path dF", particles.n)};
+  ParticlePath path{View<double* [6]>("path b", particles.n), View<double* [9]>("path inverse dF", particles.n)};
   Kokkos::deep_copy(path.left_cauchy_green, particles.elastic_left_cauchy_green);
   Kokkos::parallel_for(
       "begin path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
@@ -31,12 +31,10 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
         const Eigen::Matrix3d to_start = inverse(dF);
         Eigen::Matrix3d before;
-        SymmetricTensor b;
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
             before(r, c) = path.inverse_deformation(p, 3 * r + c);
-        for (int c = 0; c < 6; ++c)
-          b[c] = path.left_cauchy_green(p, c);
+        SymmetricTensor b = row_of(path.left_cauchy_green, p);
         const StressUpdate update =
             advance_stress(stretch<dim>(dF, factor, p) * before, b, particles.young(p), materials(particles.layer(p)));
         if (update.status == Status::inverted || !(determinant(dF) > 0.))
@@ -48,12 +46,9 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
             path.inverse_deformation(p, 3 * r + c) = (r < dim && c < dim ? shrink : 1.) * to_start(r, c);
-        for (int c = 0; c < 6; ++c)
-        {
-          path.left_cauchy_green(p, c) = b[c];
-          particles.trial_stress(p, c) = update.stress[c];
-          particles.trial_strain(p, c) = update.elastic_strain[c];
-        }
+        set_row(path.left_cauchy_green, p, b);
+        set_row(particles.trial_stress, p, update.stress);
+        set_row(particles.trial_strain, p, update.elastic_strain);
         particles.trial_plastic(p) += update.plastic_increment;
         add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },

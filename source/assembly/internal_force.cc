@@ -4,17 +4,6 @@
 
 namespace kedge
 {
-namespace
-{
-KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsigned int p)
-{
-  SymmetricTensor s;
-  for (int i = 0; i < 6; ++i)
-    s[i] = view(p, i);
-  return s;
-}
-} // namespace
-
 Materials upload_materials(const std::vector<MaterialParameters>& parameters)
 {
   const Materials materials("materials", parameters.size());
@@ -45,13 +34,9 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
           ++inverted;
           return;
         }
-        for (int c = 0; c < 6; ++c)
-        {
-          particles.trial_stress(p, c) = update.stress[c];
-          particles.trial_strain(p, c) = update.elastic_strain[c];
-        }
+        set_row(particles.trial_stress, p, update.stress);
+        set_row(particles.trial_strain, p, update.elastic_strain);
         particles.trial_plastic(p) = update.plastic_increment;
-
         add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
       },
       n_inverted);

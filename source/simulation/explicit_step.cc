@@ -3,6 +3,7 @@
 #include <kedge/assembly/inertia.h>
 #include <kedge/base/communication.h>
 #include <kedge/simulation/explicit_step.h>
+#include <limits>
 
 namespace kedge
 {
@@ -19,26 +20,14 @@ double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; 
 template <int dim>
 ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
     : scene(scene_),
-      basis(
-          [this]
-          {
-            const auto scope = scene.timings.measure("basis");
-            return make_step_basis(scene, {});
-          }()),
-      exchange(dim, numbering_of(basis.nodes))
+      basis(make_step_basis(scene, {})),
+      exchange(dim, numbering_of(basis.nodes)),
+      node_exchange(1, numbering_of(basis.nodes))
 {
   if (scene.stage.rigid_bodies)
-  {
-    const auto scope = scene.timings.measure("contact search");
     find_contact_pairs(scene, basis.nodes, rigid_step());
-  }
-  const auto scope = scene.timings.measure("lumped mass");
-  const std::vector<unsigned char> marks = find_constrained_dofs(scene, basis.nodes);
-  constrained = View<unsigned char*>("constrained", marks.size());
-  const auto host = Kokkos::create_mirror_view(constrained);
-  std::copy(marks.begin(), marks.end(), host.data());
-  Kokkos::deep_copy(constrained, host);
 
+  const auto scope = scene.timings.measure("lumped mass");
   const ParticleArrays& particles = scene.particles.arrays();
   const double share = least_share(scene.input.basis), scaling = scene.stage.stepping.mass_scaling;
   weight = exchange.make_nodal_vector();
@@ -47,12 +36,19 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
 
   mass = View<double*>("lumped mass", basis.nodes.n_local());
   add_lumped_mass(particles, basis.stencils, share, mass);
-  const NodalExchange nodes(1, numbering_of(basis.nodes));
-  nodes.sum_over_ranks(mass);
-  const View<double*> scaled = mass;
-  Kokkos::parallel_for(
-      "scale mass", Kokkos::RangePolicy<ExecutionSpace>(0, mass.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t v) { scaled(v) *= scaling; });
+  node_exchange.sum_over_ranks(mass);
+  const auto host_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
+  inertia = exchange.make_nodal_vector();
+  const auto host_inertia = Kokkos::create_mirror_view(inertia);
+  const std::vector<unsigned char> held = find_constrained_dofs(scene, basis.nodes);
+  for (std::size_t v = 0; v < host_mass.extent(0); ++v)
+  {
+    host_mass(v) *= scaling;
+    for (std::size_t i = dim * v; i < dim * (v + 1); ++i)
+      host_inertia(i) = held[i] || !(host_mass(v) > 0.) ? std::numeric_limits<double>::infinity() : host_mass(v);
+  }
+  Kokkos::deep_copy(mass, host_mass);
+  Kokkos::deep_copy(inertia, host_inertia);
 
   const double soil = max_over_ranks(largest_squared_frequency(particles, basis.stencils, scene.materials, share),
                                      basis.nodes.communicator) /
@@ -75,7 +71,7 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
     for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
       host(points.nodes[v]) += stiffness[i] * points.weights[v];
   Kokkos::deep_copy(rate, host);
-  NodalExchange(1, numbering_of(basis.nodes)).sum_over_ranks(rate);
+  node_exchange.sum_over_ranks(rate);
   Kokkos::deep_copy(host, rate);
   const auto node_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
   double largest = 0.;
@@ -138,15 +134,11 @@ template <int dim> void ExplicitStep<dim>::begin()
   force = exchange.make_nodal_vector();
   add_particle_momentum(particles, basis.stencils, particles.velocity, start_velocity);
   exchange.sum_over_ranks(start_velocity);
-  const NodalVector start = start_velocity;
-  const View<double*> nodal_mass = mass;
-  const View<unsigned char*> held = constrained;
+  const NodalVector start = start_velocity, m = inertia;
   const double scaling = scene.stage.stepping.mass_scaling;
   Kokkos::parallel_for(
-      "start velocity", Kokkos::RangePolicy<ExecutionSpace>(0, start.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
-        const double m = nodal_mass(i / dim);
-        start(i) = held(i) || !(m > 0.) ? 0. : scaling * start(i) / m;
-      });
+      "start velocity", Kokkos::RangePolicy<ExecutionSpace>(0, start.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { start(i) = scaling * start(i) / m(i); });
   Kokkos::deep_copy(velocity, start_velocity);
   path = begin_path(particles);
 }
@@ -179,17 +171,12 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double fraction)
 /// Lets the unbalanced forces act for a time. Local damping opposes every velocity by a share of them (Cundall 1987).
 template <int dim> void ExplicitStep<dim>::kick(const double time)
 {
-  const NodalVector f = force, v = velocity;
-  const View<double*> nodal_mass = mass;
-  const View<unsigned char*> held = constrained;
+  const NodalVector f = force, v = velocity, m = inertia;
   const double damping = scene.stage.stepping.damping;
   Kokkos::parallel_for(
       "kick", Kokkos::RangePolicy<ExecutionSpace>(0, f.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
-        const double m = nodal_mass(i / dim);
-        if (held(i) || !(m > 0.))
-          return;
         const double opposed = v(i) == 0. ? 0. : std::copysign(damping * std::fabs(f(i)), v(i));
-        v(i) += time / m * (f(i) - opposed);
+        v(i) += time / m(i) * (f(i) - opposed);
       });
   if (!scene.stage.rigid_bodies)
     return;

@@ -35,6 +35,7 @@ double StepBasis::bytes() const
 
 template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const GhostFactors& ghost_factors)
 {
+  const auto scope = scene.timings.measure("basis");
   const ParticleSet<dim>& particles = scene.particles;
   const LeafTable<dim>& table = scene.mesh.leaves();
   const MPI_Comm communicator = scene.mesh.triangulation().get_communicator();
@@ -93,6 +94,7 @@ std::vector<unsigned char> find_constrained_dofs(const StepScene<dim>& scene, co
 template <int dim>
 void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, const RigidStep& whole)
 {
+  const auto scope = scene.timings.measure("contact search");
   const RigidSystems& bodies = scene.bodies;
   double reach = 0.;
   const auto box = world_bounds(bodies);

@@ -21,18 +21,13 @@ void append(NewtonReport& report, const NewtonReport& next)
 } // namespace
 
 template <int dim>
-StepProblem<dim>::StepProblem(const StepScene<dim>& scene_) : scene(scene_), linear_solver(scene_.input.solver, dim)
+StepProblem<dim>::StepProblem(const StepScene<dim>& scene_)
+    : scene(scene_),
+      basis(make_step_basis(scene, {scene.input.solver.ghost_factor, scene.input.solver.ghost_factor_mass})),
+      linear_solver(scene_.input.solver, dim)
 {
-  const SolverParameters& solver = scene.input.solver;
-  {
-    const auto scope = scene.timings.measure("basis");
-    basis = make_step_basis(scene, {solver.ghost_factor, solver.ghost_factor_mass});
-  }
   if (scene.stage.rigid_bodies)
-  {
-    const auto scope = scene.timings.measure("contact search");
     find_contact_pairs(scene, basis.nodes, rigid_step());
-  }
 
   const auto scope = scene.timings.measure("sparsity");
   const std::vector<unsigned char> constrained = find_constrained_dofs(scene, basis.nodes);

@@ -101,6 +101,21 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
   return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
 }
 
+/// Row p of a view of symmetric tensors, and its replacement.
+KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsigned int p)
+{
+  SymmetricTensor s;
+  for (int i = 0; i < 6; ++i)
+    s[i] = view(p, i);
+  return s;
+}
+
+KEDGE_FUNCTION void set_row(const View<double* [6]>& view, const unsigned int p, const SymmetricTensor& s)
+{
+  for (int i = 0; i < 6; ++i)
+    view(p, i) = s[i];
+}
+
 /// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S with the
 /// inverse of dF, `to_start`.
 template <int dim>

@@ -44,10 +44,10 @@ private:
 
   StepScene<dim> scene;
   StepBasis basis;
-  NodalExchange exchange;
-  View<unsigned char*> constrained; ///< per local dof
-  View<double*> mass;               ///< per local node, scaled, kg
-  NodalVector weight;               ///< of all ranks, under full gravity, N
+  NodalExchange exchange, node_exchange; ///< of dofs, and of one number per node
+  View<double*> mass;                    ///< per local node, scaled, kg
+  NodalVector inertia;                   ///< the same per local dof; infinite where it is held or has no mass
+  NodalVector weight;                    ///< of all ranks, under full gravity, N
   double critical_dt = 0.;
 
   StepLoad load;
