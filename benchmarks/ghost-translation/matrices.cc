@@ -141,9 +141,10 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
   const ParticleArrays arrays = make_arrays(particles.centre.size(), particles.volume);
 
   HostStencils host = build_stencils<dim>(table, particles.centre, particles.half_width, particles.leaf, !gimp);
-  const std::vector<LeafContent> contents =
-      find_leaf_contents<dim>(table, particles.centre, particles.half_width, download(arrays.young),
-                              download(arrays.mass), poor_factor, MPI_COMM_SELF);
+  const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
+                            volume = download(arrays.initial_volume);
+  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+      table, {particles.centre, particles.half_width, young, mass, volume}, poor_factor, MPI_COMM_SELF);
   HostGhostFaces host_faces = find_ghost_faces<dim>(table, contents, {1., 1.});
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const auto& list : {host.pattern_nodes, host_faces.nodes})

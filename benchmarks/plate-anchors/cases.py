@@ -4,26 +4,33 @@ import math
 
 import numpy as np
 
-BOX_LENGTH = 1.1  # m, of the half model
-STEP_IN_CELLS = 0.05  # of a cell: what a body moves between two bases
+WIDTH = 0.1  # m, B of all plates
+BASE_CELL = 0.04  # m
+STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two bases
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
 BASE_AT = 0.4  # m, where the plates' back faces stand
-SAND = 0.32  # m, thickness of the layer
+LAYER, BELOW = 0.32, 0.16  # m: the sand of the tests, and the least under a plate's axis
+WEIGHT = 1590. * 9.81  # N/m3
+K0 = 0.426
 
 
 @dataclasses.dataclass(frozen=True)
 class Case:
     """One run; SI units, angles in degrees. The defaults are the study's own values."""
     shape: str = "TS"
-    cell: float = 0.01  # at the plate and up to four of the default cells around it
+    cell: float = 0.005  # at the plate's surface
+    around: float = 0.01  # up to four of these from it
     depth: float = 0.16  # of the plate's axis below the surface
     friction_angle: float = 35.5
+    dilation_angle: float = 0.
+    roughness: float = 1.  # friction of plate and sand over tan(friction angle)
     young: float = 12e6
     half_width: float = 0.2
+    box_length: float = 1.1
     velocity: float = 0.02
-    mass_scaling: float = 16.
+    mass_scaling: float = 64.
     distance: float = 0.05
-    uniform: bool = False  # cells of that size everywhere
+    uniform: bool = False  # cells of the size `around` everywhere
 
     @property
     def name(self):
@@ -35,38 +42,55 @@ class Case:
                 parts.append(f"{field.name.replace('_', '-')}-{value:g}")
         return "-".join(parts)
 
+    def with_cells(self, cell):
+        """The same with cells of one size at the plate and around it, in time steps as long as those of the defaults."""
+        return dataclasses.replace(self, cell=cell, around=cell, mass_scaling=64. * min(1., (0.005 / cell)**2))
+
     def quick(self):
         """The same with coarse cells and a short way."""
-        return dataclasses.replace(self, cell=max(self.cell, 0.02), distance=0.02)
+        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.02)
+
+    @property
+    def layer(self):
+        """Thickness of the sand, m: whole cells."""
+        return max(LAYER, math.ceil((self.depth + BELOW) / BASE_CELL - 1e-9) * BASE_CELL)
+
+    @property
+    def height(self):
+        """Of the plate's axis above the base, m."""
+        return self.layer - self.depth
 
     @property
     def area(self):
-        """Across the pull, of the whole plate, m2."""
-        return 0.01 if self.shape == "TS" else math.pi * 0.1**2 / 4.
+        """Across the pull, of the whole plate or what the box holds of it, m2."""
+        return WIDTH * min(WIDTH, 2. * self.half_width) if self.shape == "TS" else math.pi * WIDTH**2 / 4.
 
     def geometry(self, path):
         """Arguments of `kedge geometry` that write the plate's surface."""
         where = ["--edge-radius", "0.0025", "--output", str(path)]
         if self.shape == "TS":
-            return ["plate", "--translate", f"{BASE_AT + 0.005:g}", "0", f"{SAND - self.depth:g}", *where]
+            return ["plate", "--translate", f"{BASE_AT + 0.005:g}", "0", f"{self.height:g}", *where]
         minor, length = FRUSTA[self.shape]
         return ["frustum", "--minor-diameter", f"{minor:g}", "--length", f"{length:g}", "--translate", f"{BASE_AT:g}", "0",
-                f"{SAND - self.depth:g}", *where]
+                f"{self.height:g}", *where]
 
     def settings(self, surface):
         """What --set says of it; `surface` is the file that `geometry` wrote."""
         step = STEP_IN_CELLS * self.cell
         motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
-        mesh = [f"analysis.0.adaptivity.element size={self.cell:g}",
-                f"analysis.0.adaptivity.element size in region={self.cell:g}"]
+        mesh = [f"analysis.0.adaptivity.element size={self.cell:g}", f"analysis.0.adaptivity.region={4. * self.around:g}",
+                f"analysis.0.adaptivity.element size in region={self.around:g}"]
         if self.uniform:
-            mesh = [f"material points.element size={self.cell:g}", 'analysis.0.adaptivity={"type": "none"}']
+            mesh = [f"material points.element size={self.around:g}", 'analysis.0.adaptivity={"type": "none"}']
         return [f"rigid bodies.0.stl files.0.stl={surface}",
-                f"rigid bodies.0.points.0.position=[{BASE_AT + 0.005:g}, 0, {SAND - self.depth:g}]",
+                f"rigid bodies.0.points.0.position=[{BASE_AT + 0.005:g}, 0, {self.height:g}]",
+                f"material points.layers.0.thickness={self.layer:g}",
                 f"material points.layers.0.material.friction angle={self.friction_angle:g}",
+                f"material points.layers.0.material.dilation angle={self.dilation_angle:g}",
                 f"material points.layers.0.material.E={self.young:g}",
-                f"material points.material size.max=[{BOX_LENGTH:g}, {self.half_width:g}]",
-                f"contact.friction coefficient={math.tan(math.radians(self.friction_angle)):.6g}",
+                f"domain.size={self.box_length:g}",
+                f"material points.material size.max=[{self.box_length:g}, {self.half_width:g}]",
+                f"contact.friction coefficient={self.roughness * math.tan(math.radians(self.friction_angle)):.6g}",
                 *mesh,
                 f"analysis.0.basis step={step / self.velocity:g}",
                 f"analysis.0.final time={self.distance / self.velocity:g}",
@@ -75,7 +99,36 @@ class Case:
                 "output.vtk percent=100", "output.csv percent=0", "output.checkpoint every=10"]
 
 
-def mean_at_end(curve, way=0.01):
-    """Mean force over the last part of the way, N."""
-    late = curve.displacement > curve.displacement.max() - way
-    return np.mean(curve.force[late])
+def limit_strip(case):
+    """Limit load of a rough vertical strip anchor that cannot rise, φ = ψ = 35°, Pa: between the lower and the upper bound of
+    finite-element limit analysis (Sloan 1988), 8 % apart on either side; N = q / (γ H) with H down to the lower edge, the convention of
+    Merifield & Sloan (2006, Can. Geotech. J. 43)."""
+    depth = case.depth + WIDTH / 2.
+    return np.interp(depth / WIDTH, [1., 2., 3., 5.], [4.18, 7.13, 9.04, 12.2]) * WEIGHT * depth
+
+
+def rankine_strip(case):
+    """Passive less active Rankine pressure on an infinitely wide wall from the surface to the plate's lower edge, over the
+    plate's height, Pa: what a vertical strip anchor near the surface can hold (Teng 1962, Foundation Design)."""
+    passive, active = _earth_pressures(case)
+    return 0.5 * WEIGHT * (case.depth + WIDTH / 2.)**2 * (passive - active) / WIDTH
+
+
+def teng_square(case):
+    """The same wedge of the plate's width with friction on its two sides (Teng 1962), Pa."""
+    passive, active = _earth_pressures(case)
+    deep = case.depth + WIDTH / 2.
+    sides = K0 * WEIGHT / 3. * (math.sqrt(passive) + math.sqrt(active)) * deep**3 * math.tan(math.radians(case.friction_angle))
+    return rankine_strip(case) + sides / WIDTH**2
+
+
+def broms_square(case):
+    """Three times Rankine's passive pressure at the depth of the axis: Broms (1964, J. Soil Mech. Found. Div. 90(3)) for
+    narrow bodies, Pa."""
+    return 3. * _earth_pressures(case)[0] * WEIGHT * case.depth
+
+
+def _earth_pressures(case):
+    """Rankine's passive and active coefficients."""
+    passive = math.tan(math.radians(45. + case.friction_angle / 2.))**2
+    return passive, 1. / passive

@@ -1,4 +1,4 @@
-"""Tables and charts of the plate-anchor study, from the runs that are there."""
+"""Tables and charts of the plate-anchor study, from the runs that are there and the records of those that are not."""
 import dataclasses
 import json
 import pathlib
@@ -8,72 +8,65 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from cases import mean_at_end  # noqa: E402
+import records  # noqa: E402
+from cases import WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
 from kedge_plot import PlotError  # noqa: E402
-from kedge_plot.resistance import fit_hyperbola, resistance_curve  # noqa: E402
-from kedge_plot.run import Run  # noqa: E402
-from kedge_plot.section import cut  # noqa: E402
+from kedge_plot.resistance import fit_hyperbola  # noqa: E402
+from records import MOVED, mean_between  # noqa: E402
+from sections import draw_sections  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 REFERENCE = json.loads((HERE / "reference.json").read_text(encoding="utf-8"))
-MOVED = 0.1  # of the plate's own displacement: what counts as mobilised soil
 
 
 @dataclasses.dataclass
 class Result:
-    """One run. Pressures over the projected area in Pa, areas in m2."""
+    """One run's record with pressures over the projected area in Pa."""
     case: object
-    run: Run
-    curve: object
-    at_end: float  # mean over the last 10 mm
-    fit: object  # or None
+    record: dict
+    run: object  # the kept run, or None where only its record is there
 
-    @classmethod
-    def of(cls, case, work):
-        """None where the run is not there."""
+    def __post_init__(self):
+        self.displacement = np.array(self.record["displacement"])
+        self.pressure = np.array(self.record["force"]) / self.case.area
+        self.at_end = mean_between(self.displacement, self.pressure, self.displacement.max() - 0.01)
         try:
-            run = Run(work / case.name)
-            curve = resistance_curve(run.body_history(), axis="x", factor=2., start=run.start_of(1))
+            self.fit = fit_hyperbola(self.displacement, self.pressure)
         except PlotError:
-            return None
-        curve.force = curve.force / case.area
-        try:
-            fit = fit_hyperbola(curve.displacement, curve.force)
-        except PlotError:
-            fit = None
-        return cls(case, run, curve, mean_at_end(curve), fit)
+            self.fit = None
 
     @property
     def is_whole(self):
-        return self.curve.displacement.max() > 0.999 * self.case.distance
-
-    def cost(self):
-        """Material points, time steps and seconds."""
-        summary = self.run.summary()
-        stage = summary["stages"][-1]
-        return stage["material points"], stage["time steps"], summary["wall time"]["total"]
-
-    def mobilised(self, plane, at):
-        """Areas in a section of the half model with more than MOVED of the plate's displacement, in front of and behind
-        its back face."""
-        grids, step = self.run.soil()
-        section = cut(grids, self.run.surface(step), plane, at, "displacement magnitude")
-        moved = section.values > MOVED * self.curve.displacement.max()
-        centre = (section.lower[:, 0] + section.upper[:, 0]) / 2.
-        front = centre > 0.4 + self.curve.displacement.max()
-        areas = section.areas()
-        return areas[moved & front].sum(), areas[moved & ~front].sum()
+        return self.displacement.max() > 0.999 * self.case.distance
 
 
-def write(parts, work, target):
-    """Writes plate-anchors.md and its charts; returns the report's path."""
+def find_results(cases, work, kept):
+    """Those of the cases that ran or, where they did not run here, whose record is kept. Writes the records of the runs."""
+    results = []
+    for case in cases:
+        run, record = records.of_run(case, work)
+        path = kept / f"{case.name}.json"
+        if record:
+            kept.mkdir(parents=True, exist_ok=True)
+            path.write_text(records.as_text(record), encoding="utf-8")
+        elif path.is_file():
+            record = json.loads(path.read_text(encoding="utf-8"))
+        if record:
+            results.append(Result(case, record, run))
+    return results
+
+
+def write(parts, work, target, kept):
+    """Writes plate-anchors.md and its charts; returns the report's path. Records are kept in the folder `kept`."""
     target.mkdir(parents=True, exist_ok=True)
     text = (HERE / "introduction.md").read_text(encoding="utf-8")
     for part, cases in parts.items():
-        results = [result for case in cases if (result := Result.of(case, work))]
+        results = find_results(cases, work, kept)
         if results:
             _draw_curves(results, part, target / f"plate-anchors-{part}.png")
             text += "\n" + _TEXTS[part](results) + f"\n![Resistance over displacement](plate-anchors-{part}.png)\n"
+        if part == "shapes" and results:
+            text += "\n" + _sections(results, target)
     path = target / "plate-anchors.md"
     path.write_text(text, encoding="utf-8")
     return path
@@ -89,12 +82,13 @@ def _fit(result):
 
 
 def _state(result):
-    return "" if result.is_whole else f" (up to {1e3 * result.curve.displacement.max():.0f} mm)"
+    return "" if result.is_whole else f" (up to {1e3 * result.displacement.max():.0f} mm)"
 
 
 def _common(result):
-    points, steps, seconds = result.cost()
-    return [_fit(result), f"{1e-3 * result.at_end:.1f}", f"{points}", f"{steps}", f"{seconds:.0f}"]
+    record = result.record
+    return [_fit(result), f"{1e-3 * result.at_end:.1f}", f"{record['material points']}", f"{record['time steps']}",
+            f"{record['wall time']:.0f}"]
 
 
 COMMON = ["hyperbola / kPa", "last 10 mm / kPa", "material points", "time steps", "wall time / s"]
@@ -119,7 +113,7 @@ def _shapes(results):
 def _mobilised(results):
     text = f"""### Mobilised soil (tables 3 and 4)
 
-Area that moved by more than {100. * MOVED:.0f} % of the plate's way, in front of the plate's back face and behind it, and the
+Area inside the line of {100. * MOVED:.0f} % of the plate's way, plate included, in front of the plate's back face and behind it, and the
 mobilisation factor: the difference of the two over the area of the plate, over the same ratio of the thin square plate. In
 brackets what the paper prints, in mm²: less than a hundredth of the plate's own area, so that cm² must be meant, and the horizontal
 ones of the half model, as here.
@@ -128,12 +122,8 @@ ones of the half model, as here.
     rows, first = [], {}
     for result in results:
         row = [result.case.shape]
-        for name, plane, at in (("horizontal", "z", 0.32 - result.case.depth), ("vertical", "y", 0.)):
-            try:
-                front, back = result.mobilised(plane, at)
-            except PlotError:
-                row += ["-"] * (5 if name == "vertical" else 4)
-                continue
+        for name in ("horizontal", "vertical"):
+            front, back = result.record["mobilised"][name]
             published = REFERENCE["mobilised area"][result.case.shape][name]
             ratio = (front - back) / result.case.area
             factor = ratio / first.setdefault(name, ratio)
@@ -146,41 +136,74 @@ ones of the half model, as here.
                           "behind / cm²", "factor", "published", "laboratory"], rows)
 
 
+def _sections(results, target):
+    """Stress and displacement of the runs that are there; the pictures of earlier ones stay."""
+    text = "### Stress and displacement (figures 8 to 10)\n\n"
+    runs = [(result.case, result.run) for result in results if result.run]
+    for name, caption in (("stress", "Horizontal stress σxx in the horizontal section, line at 5 kPa"),
+                          ("displacement", "Displacement in the horizontal (left) and vertical section, line at 5 mm")):
+        path = target / f"plate-anchors-{name}.png"
+        if runs:
+            draw_sections(runs, name, path)
+        if path.is_file():
+            text += f"{caption}, at the end of the pull.\n\n![{caption}]({path.name})\n\n"
+    return text
+
+
 def _octree(results):
     """The first run is what the others are compared with."""
     rows, first = [], results[0]
     for result in results:
-        stage, summary = result.run.summary()["stages"][-1], result.run.summary()
-        reference = np.interp(result.curve.displacement, first.curve.displacement, first.curve.force)
-        difference = result.curve.force - reference
-        rows.append(["uniform" if result.case.uniform else "octree", f"{stage['cells']}", f"{stage['dofs']}",
-                     f"{stage['material points']}", f"{stage['time steps']}", f"{1e-6 * summary['peak memory']:.0f}",
-                     f"{result.cost()[2]:.0f}", f"{first.cost()[2] / result.cost()[2]:.1f}",
-                     f"{1e-3 * result.curve.force[-1]:.2f}", f"{100. * difference[-1] / reference[-1]:+.1f} %",
+        record = result.record
+        reference = np.interp(result.displacement, first.displacement, first.pressure)
+        difference = result.pressure - reference
+        rows.append(["uniform" if result.case.uniform else "octree", f"{record['cells']}", f"{record['dofs']}",
+                     f"{record['material points']}", f"{record['time steps']}", f"{1e-6 * record['peak memory']:.0f}",
+                     f"{record['wall time']:.0f}", f"{first.record['wall time'] / record['wall time']:.1f}",
+                     f"{1e-3 * result.pressure[-1]:.2f}", f"{100. * difference[-1] / reference[-1]:+.1f} %",
                      f"{100. * np.abs(difference).sum() / reference.sum():.1f} %"])
-    return "## Octree against a uniform mesh\n\nThe same scene over 3 mm.\n\n" + _table(
+    return "## Octree against a uniform mesh\n\nIn a box of 0.8 x 0.12 x 0.32 m, small enough for cells of 10 mm everywhere, over 10 mm.\n\n" + _table(
         ["mesh", "cells", "dofs", "material points", "time steps", "peak memory / MB", "wall time / s", "times faster",
          "resistance at the end / kPa", "difference there", "mean difference"], rows)
 
 
-def _variation(title, name, of, note=""):
+def _variation(title, name, of, note="", columns=()):
+    """A row per run; `of` tells its case, `columns` are further ones: a head and what a result shows there."""
     def text(results):
-        rows = [[of(result.case) + _state(result), *_common(result)] for result in results]
-        return f"## {title}\n\n{note}" + _table([name, *COMMON], rows)
+        rows = [[of(result.case) + _state(result), *_common(result), *(show(result) for _, show in columns)]
+                for result in results]
+        return f"## {title}\n\n{note}" + _table([name, *COMMON, *(head for head, _ in columns)], rows)
     return text
+
+
+def _formula(of):
+    return lambda result: f"{1e-3 * of(result.case):.1f}"
+
+
+def _per_overburden(result):
+    return f"{result.at_end / (WEIGHT * result.case.depth):.1f}"
 
 
 _TEXTS = {
     "shapes": _shapes,
-    "resolution": _variation("Resolution", "cells / mm", lambda case: f"{1e3 * case.cell:g}"),
+    "resolution": _variation("Resolution", "shape, cells at and around the plate / mm",
+                             lambda case: f"{case.shape}, {1e3 * case.cell:g}, {1e3 * case.around:g}"),
     "rate": _variation("Loading rate (figure 6)", "velocity, mass scaling",
                        lambda case: f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}"),
     "friction": _variation("Friction angle (figure 12)", "angle / °", lambda case: f"{case.friction_angle:g}",
                            "The plate's friction is the tangent of the same angle.\n\n"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
-    "group": _variation("Group effect (figure 11)", "spacing / B", lambda case: f"{2. * case.half_width / 0.1:g}"),
+    "group": _variation("Group effect (figure 11)", "spacing / B", lambda case: f"{2. * case.half_width / WIDTH:g}"),
+    "dilatancy": _variation("Dilatancy", "angle / °", lambda case: f"{case.dilation_angle:g}"),
+    "interface": _variation("Friction of plate and sand", "tan δ / tan φ", lambda case: f"{case.roughness:g}"),
+    "embedment": _variation("Embedment", "depth of the axis / B", lambda case: f"{case.depth / WIDTH:g}" + (", strip" if 2. * case.half_width < WIDTH else ""),
+                            "Beside formulas for limit loads: limit analysis of a rough strip in plane strain that cannot rise (φ = ψ = 35°, "
+                            "within 8 % either way), Rankine's wedges on an infinitely wide wall and the same with friction on the sides "
+                            "of a square plate (Teng 1962), and three times Rankine's passive pressure (Broms 1964).\n\n",
+                            [("last 10 mm / γ depth", _per_overburden), ("strip, limit analysis / kPa", _formula(limit_strip)),
+                             ("strip, Rankine / kPa", _formula(rankine_strip)),
+                             ("square, Teng / kPa", _formula(teng_square)), ("square, Broms / kPa", _formula(broms_square))]),
     "octree": _octree,
-    "embedment": _variation("Where the plate lies", "depth of the axis / m", lambda case: f"{case.depth:g}"),
 }
 
 
@@ -194,7 +217,7 @@ def _draw_curves(results, part, path):
     figure, axes = plt.subplots(figsize=(7, 4.4))
     cases = [result.case for result in results]
     for number, result in enumerate(results):
-        axes.plot(1e3 * result.curve.displacement, 1e-3 * result.curve.force, color=f"C{number}",
+        axes.plot(1e3 * result.displacement, 1e-3 * result.pressure, color=f"C{number}",
                   label=_label(result.case, cases))
         if part == "shapes":
             axes.axhline(1e-3 * REFERENCE["shapes"][result.case.shape]["laboratory"], color=f"C{number}", linestyle="--",

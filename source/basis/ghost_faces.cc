@@ -53,6 +53,7 @@ public:
       {
         LeafContent& content = contents[owned.at(parcel.key)];
         content.volume += parcel.content.volume;
+        content.initial_volume += parcel.content.initial_volume;
         content.stiffness += parcel.content.stiffness;
         content.mass += parcel.content.mass;
       }
@@ -163,23 +164,23 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
 } // namespace
 
 template <int dim>
-std::vector<LeafContent>
-find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
-                   const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
-                   const std::vector<double>& mass, const double poor_factor, const MPI_Comm communicator)
+std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const SoilBoxes<dim>& soil,
+                                            const double poor_factor, const MPI_Comm communicator)
 {
   std::vector<LeafContent> contents(table.leaves.size());
   BoxAverage<dim> box(table);
-  for (std::size_t p = 0; p < centre.size(); ++p)
+  for (std::size_t p = 0; p < soil.centre.size(); ++p)
   {
     double volume = 1.;
-    for (const double half : half_width[p])
+    for (const double half : soil.half_width[p])
       volume *= 2. * half;
-    for (const Overlap& overlap : box.find_overlaps(centre[p], half_width[p]))
+    for (const Overlap& overlap : box.find_overlaps(soil.centre[p], soil.half_width[p]))
     {
-      contents[overlap.leaf].volume += overlap.fraction * volume;
-      contents[overlap.leaf].stiffness += overlap.fraction * volume * young[p];
-      contents[overlap.leaf].mass += overlap.fraction * mass[p];
+      LeafContent& content = contents[overlap.leaf];
+      content.volume += overlap.fraction * volume;
+      content.initial_volume += overlap.fraction * soil.initial_volume[p];
+      content.stiffness += overlap.fraction * volume * soil.young[p];
+      content.mass += overlap.fraction * soil.mass[p];
     }
   }
   const LeafExchange<dim> exchange(table, communicator);
@@ -231,14 +232,8 @@ GhostFaces upload_ghost_faces(HostGhostFaces&& host, const std::vector<unsigned 
           upload(host.stiffness, "ghost stiffness"),     upload(host.mass, "ghost mass")};
 }
 
-template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
-                                                        const std::vector<std::array<double, 2>>&,
-                                                        const std::vector<double>&, const std::vector<double>&, double,
-                                                        MPI_Comm);
-template std::vector<LeafContent> find_leaf_contents<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
-                                                        const std::vector<std::array<double, 3>>&,
-                                                        const std::vector<double>&, const std::vector<double>&, double,
-                                                        MPI_Comm);
+template std::vector<LeafContent> find_leaf_contents<2>(const LeafTable<2>&, const SoilBoxes<2>&, double, MPI_Comm);
+template std::vector<LeafContent> find_leaf_contents<3>(const LeafTable<3>&, const SoilBoxes<3>&, double, MPI_Comm);
 template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, const GhostFactors&);
 template HostGhostFaces find_ghost_faces<3>(const LeafTable<3>&, const std::vector<LeafContent>&, const GhostFactors&);
 } // namespace kedge

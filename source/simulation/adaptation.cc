@@ -37,9 +37,9 @@ template <int dim>
 std::vector<unsigned char> find_soil(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
 {
   const std::vector<double> nothing(particles.positions().size(), 0.); // the volume is all that counts here
-  const std::vector<LeafContent> contents =
-      find_leaf_contents<dim>(mesh.leaves(), particles.positions(), particles.half_widths(), nothing, nothing, 0.,
-                              mesh.triangulation().get_communicator());
+  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+      mesh.leaves(), {particles.positions(), particles.half_widths(), nothing, nothing, nothing}, 0.,
+      mesh.triangulation().get_communicator());
   std::vector<unsigned char> holds_soil(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
     holds_soil[leaf] = is_populated(contents[leaf]);

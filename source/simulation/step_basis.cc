@@ -8,19 +8,26 @@ namespace
 /// Share of a cell that soil as dense as at the start must take for its particles to share their change of volume.
 constexpr double full_share = 0.9;
 
-/// Marks the leaves (owned and ghost) that are full. Where there is empty space the soil that faces it may expand, and
-/// must not lend its neighbours in the cell the pressure that they then press it on with. Collective.
-template <int dim> std::vector<unsigned char> find_full_leaves(const StepScene<dim>& scene)
+/// What the leaves (owned and ghost) hold. Collective.
+template <int dim> std::vector<LeafContent> find_soil(const StepScene<dim>& scene)
 {
   const ParticleSet<dim>& particles = scene.particles;
-  const LeafTable<dim>& table = scene.mesh.leaves();
-  const std::vector<double> initial_volume = download(particles.arrays().initial_volume);
-  const std::vector<LeafContent> contents =
-      find_leaf_contents<dim>(table, particles.positions(), particles.half_widths(), download(particles.arrays().young),
-                              initial_volume, 0., scene.mesh.triangulation().get_communicator());
+  const ParticleArrays& arrays = particles.arrays();
+  const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
+                            initial_volume = download(arrays.initial_volume);
+  return find_leaf_contents<dim>(scene.mesh.leaves(),
+                                 {particles.positions(), particles.half_widths(), young, mass, initial_volume},
+                                 scene.input.solver.poor_factor, scene.mesh.triangulation().get_communicator());
+}
+
+/// Marks the leaves that are full. Where there is empty space the soil that faces it may expand, and must not lend its
+/// neighbours in the cell the pressure that they then press it on with.
+template <int dim>
+std::vector<unsigned char> find_full_leaves(const LeafTable<dim>& table, const std::vector<LeafContent>& contents)
+{
   std::vector<unsigned char> is_full(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
-    is_full[leaf] = contents[leaf].mass >= full_share * std::pow(table.leaves[leaf].size, dim);
+    is_full[leaf] = contents[leaf].initial_volume >= full_share * std::pow(table.leaves[leaf].size, dim);
   return is_full;
 }
 } // namespace
@@ -44,12 +51,12 @@ template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const 
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
+  const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.mass > 0.;
+  const bool f_bar = scene.input.material_points.f_bar;
+  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_soil(scene) : std::vector<LeafContent>();
   HostGhostFaces faces;
-  if (ghost_factors.stiffness > 0. || ghost_factors.mass > 0.)
+  if (has_ghosts)
   {
-    const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-        table, particles.positions(), particles.half_widths(), download(particles.arrays().young),
-        download(particles.arrays().mass), scene.input.solver.poor_factor, communicator);
     faces = find_ghost_faces<dim>(table, contents, ghost_factors);
     for (const unsigned int node : faces.nodes)
       used[node] = 1; // active already, but perhaps only through other ranks' particles
@@ -57,8 +64,8 @@ template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const 
   StepBasis basis;
   basis.nodes = number_active_nodes<dim>(table, used, communicator);
   basis.stencils = upload_stencils<dim>(std::move(host), basis.nodes.number);
-  if (scene.input.material_points.f_bar)
-    basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves(scene));
+  if (f_bar)
+    basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves<dim>(table, contents));
   basis.ghost_faces = upload_ghost_faces(std::move(faces), basis.nodes.number);
   return basis;
 }

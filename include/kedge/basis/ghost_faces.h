@@ -37,22 +37,28 @@ struct GhostFactors
   double mass = 0.;      ///< no unit
 };
 
-/// How much soil a leaf holds, over all ranks.
-struct LeafContent
+/// What fills the leaves: this rank's particles.
+template <int dim> struct SoilBoxes
 {
-  double volume = 0.;    ///< of the particles' boxes in it, m3 (2-D: m2)
-  double stiffness = 0.; ///< volume times Young's modulus
-  double mass = 0.;      ///< kg (2-D: kg/m), or the sum of whatever was given for it
-  double boundary = 0.;  ///< 1: has an unpopulated face neighbour or is filled below the poor factor
+  const std::vector<std::array<double, dim>>&centre, &half_width; ///< m
+  const std::vector<double>&young, &mass, &initial_volume;        ///< Pa, kg (2-D: kg/m), m3 (m2)
 };
 
-/// Contents of all leaves of the table (owned and ghost) from each particle's box (m), Young's modulus (Pa) and mass
-/// (kg). Beyond the window's ends there is no neighbour, so none that is unpopulated. Collective.
+/// How much soil a leaf holds, over all ranks. What a particle has is shared out among leaves as its box is.
+struct LeafContent
+{
+  double volume = 0.;         ///< of the particles' boxes in it, m3 (2-D: m2)
+  double initial_volume = 0.; ///< m3 (2-D: m2)
+  double stiffness = 0.;      ///< volume times Young's modulus
+  double mass = 0.;           ///< kg (2-D: kg/m)
+  double boundary = 0.;       ///< 1: has an unpopulated face neighbour or is filled below the poor factor
+};
+
+/// Contents of all leaves of the table (owned and ghost). Beyond the window's ends there is no neighbour, so none that
+/// is unpopulated. Collective.
 template <int dim>
-std::vector<LeafContent>
-find_leaf_contents(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
-                   const std::vector<std::array<double, dim>>& half_width, const std::vector<double>& young,
-                   const std::vector<double>& mass, double poor_factor, MPI_Comm communicator);
+std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const SoilBoxes<dim>& soil, double poor_factor,
+                                            MPI_Comm communicator);
 
 /// Whether the basis sees the leaf: BoxAverage drops slivers, and a threshold here would leave nodes of small cuts
 /// alone.

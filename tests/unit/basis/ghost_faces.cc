@@ -174,11 +174,13 @@ TYPED_TEST(GhostFacesOfRandomSoil, CountTheSoilOfAllRanks)
         volume *= 2. * half;
       }
       expected.volume += share;
+      expected.initial_volume += share * all.initial_volume[p] / volume;
       expected.stiffness += share * all.young[p];
       expected.mass += share * all.mass[p] / volume;
     }
     const double scale = std::pow(leaf.size, dim);
     largest = std::max({largest, std::abs(contents[i].volume - expected.volume) / scale,
+                        std::abs(contents[i].initial_volume - expected.initial_volume) / scale,
                         std::abs(contents[i].stiffness - expected.stiffness) / (1e6 * scale),
                         std::abs(contents[i].mass - expected.mass) / (2e3 * scale)});
   }

@@ -25,7 +25,7 @@ enum class Fill
 template <int dim> struct Soil
 {
   std::vector<std::array<double, dim>> centre, half_width;
-  std::vector<double> young, mass;
+  std::vector<double> young, mass, initial_volume;
 };
 
 template <int dim> using Leaf = typename LeafTable<dim>::Leaf;
@@ -54,6 +54,7 @@ template <int dim> Soil<dim> make_soil(const LeafTable<dim>& table, const FillOf
       x += 0.5 * leaf.size;
     soil.young.push_back(young_of<dim>(leaf));
     soil.mass.push_back(density_of<dim>(leaf) * std::pow(2. * half, dim));
+    soil.initial_volume.push_back(0.8 * std::pow(2. * half, dim)); // it has swollen
   }
   return soil;
 }
@@ -61,7 +62,8 @@ template <int dim> Soil<dim> make_soil(const LeafTable<dim>& table, const FillOf
 template <int dim>
 std::vector<LeafContent> find_contents(const LeafTable<dim>& table, const Soil<dim>& soil, const double poor)
 {
-  return find_leaf_contents<dim>(table, soil.centre, soil.half_width, soil.young, soil.mass, poor, MPI_COMM_WORLD);
+  return find_leaf_contents<dim>(table, {soil.centre, soil.half_width, soil.young, soil.mass, soil.initial_volume},
+                                 poor, MPI_COMM_WORLD);
 }
 
 template <int dim>

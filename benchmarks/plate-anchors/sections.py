@@ -1,0 +1,46 @@
+"""Pictures of stress and displacement around the plates."""
+import matplotlib.pyplot as plt
+import numpy as np
+from kedge_plot.section import cut
+from matplotlib.collections import LineCollection, PolyCollection
+
+WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
+LONGEST_EDGE = 0.05  # m, of the triangles between material points that a contour line may cross
+KINDS = {"stress": ("stress_xx", "σxx / kPa", -1e-3, 5., (0., 25.), "z"),
+         "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy")}
+
+
+def draw_sections(runs, kind, path):
+    """One row per (case, run), one column per section."""
+    field, label, factor, line, limits, planes = KINDS[kind]
+    shape = (len(runs), 1) if len(planes) > 1 else ((len(runs) + 1) // 2, 2)
+    columns = len(planes) * shape[1]
+    figure, axes = plt.subplots(shape[0], columns, figsize=(5.2 * columns, 2.2 * shape[0] * (1.2 if len(planes) > 1 else 1.)),
+                                squeeze=False, layout="constrained")
+    for place, (case, run) in zip(axes.reshape(-1, len(planes)), runs):
+        grids, step = run.soil()
+        for panel, plane in zip(place, planes):
+            at = case.height if plane == "z" else 0.
+            boxes = _draw(panel, cut(grids, run.surface(step), plane, at, field), factor, line, limits, WINDOW[plane])
+            panel.set_title(f"{case.shape}, {plane} = {at:g} m", fontsize=9)
+    for panel in axes.flat[len(runs) * len(planes):]:
+        panel.set_axis_off()
+    figure.colorbar(boxes, ax=axes, label=label, shrink=0.8)
+    figure.savefig(path, dpi=80, metadata={"Software": None})
+    plt.close(figure)
+
+
+def _draw(axes, section, factor, line, limits, window):
+    low, high = section.lower, section.upper
+    corners = np.stack([low, np.column_stack([high[:, 0], low[:, 1]]), high, np.column_stack([low[:, 0], high[:, 1]])], axis=1)
+    boxes = PolyCollection(corners, array=factor * section.values, cmap="viridis", antialiased=False, rasterized=True)
+    boxes.set_clim(*limits)
+    axes.add_collection(boxes)
+    axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1.))
+    centre = (low + high) / 2.
+    triangles = plt.matplotlib.tri.Triangulation(*centre.T)
+    edges = centre[triangles.triangles] - np.roll(centre[triangles.triangles], 1, axis=1)
+    triangles.set_mask(np.linalg.norm(edges, axis=2).max(axis=1) > LONGEST_EDGE)
+    axes.tricontour(triangles, factor * section.values, [line], colors="r", linewidths=1.)
+    axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel=f"{section.axes[0]} / m", ylabel=f"{section.axes[1]} / m")
+    return boxes
