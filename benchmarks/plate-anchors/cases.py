@@ -5,11 +5,11 @@ import math
 import numpy as np
 
 WIDTH = 0.1  # m, B of all plates
-BASE_CELL = 0.04  # m
 STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two bases
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
 BASE_AT = 0.4  # m, where the plates' back faces stand
 LAYER, BELOW = 0.32, 0.16  # m: the sand of the tests, and the least under a plate's axis
+WHOLE = 0.04  # m, of which a layer's thickness is a multiple
 WEIGHT = 1590. * 9.81  # N/m3
 K0 = 0.426
 
@@ -19,7 +19,9 @@ class Case:
     """One run; SI units, angles in degrees. The defaults are the study's own values."""
     shape: str = "TS"
     cell: float = 0.005  # at the plate's surface
-    around: float = 0.01  # up to four of these from it
+    around: float = 0.01  # up to `reach` from it
+    reach: float = 0.04
+    base: float = 0.04  # beyond
     depth: float = 0.16  # of the plate's axis below the surface
     friction_angle: float = 35.5
     dilation_angle: float = 0.
@@ -53,7 +55,7 @@ class Case:
     @property
     def layer(self):
         """Thickness of the sand, m: whole cells."""
-        return max(LAYER, math.ceil((self.depth + BELOW) / BASE_CELL - 1e-9) * BASE_CELL)
+        return max(LAYER, math.ceil((self.depth + BELOW) / WHOLE - 1e-9) * WHOLE)
 
     @property
     def height(self):
@@ -78,7 +80,7 @@ class Case:
         """What --set says of it; `surface` is the file that `geometry` wrote."""
         step = STEP_IN_CELLS * self.cell
         motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
-        mesh = [f"analysis.0.adaptivity.element size={self.cell:g}", f"analysis.0.adaptivity.region={4. * self.around:g}",
+        mesh = [f"material points.element size={self.base:g}", f"analysis.0.adaptivity.element size={self.cell:g}", f"analysis.0.adaptivity.region={self.reach:g}",
                 f"analysis.0.adaptivity.element size in region={self.around:g}"]
         if self.uniform:
             mesh = [f"material points.element size={self.around:g}", 'analysis.0.adaptivity={"type": "none"}']

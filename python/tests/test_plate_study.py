@@ -10,8 +10,8 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "benchmarks" / "plate-anchors"), str(ROOT / "python")]
 
-from cases import Case, mean_at_end  # noqa: E402
-from kedge_plot.resistance import Curve  # noqa: E402
+from cases import Case, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
+from records import as_text, mean_between  # noqa: E402
 
 
 def value_of(case, key):
@@ -22,7 +22,7 @@ def value_of(case, key):
 class Cases(unittest.TestCase):
     def test_folder_says_what_differs(self):
         self.assertEqual(Case().name, "TS")
-        self.assertEqual(Case("LFC", cell=0.02, friction_angle=41.).name, "LFC-cell-0.02-friction-angle-41")
+        self.assertEqual(Case("LFC", base=0.02, friction_angle=41.).name, "LFC-base-0.02-friction-angle-41")
         self.assertEqual(len({Case().name, Case(depth=0.11).name, Case().quick().name}), 3)
 
     def test_body_moves_a_share_of_a_cell_per_basis_step_at_its_velocity(self):
@@ -51,20 +51,43 @@ class Cases(unittest.TestCase):
             for key in text.split("=", 1)[0].split(".")[:-1]:
                 at = at[int(key)] if isinstance(at, list) else at[key]
 
-    def test_defaults_are_those_of_the_scene(self):
+    def test_cells_of_one_size_are_those_of_the_scene(self):
         scene = json.loads((ROOT / "prm" / "plate-anchor-explicit.json").read_text(encoding="utf-8"))
         stage = scene["analysis"][0]
-        self.assertAlmostEqual(stage["basis step"], value_of(Case(), "analysis.0.basis step"))
-        self.assertAlmostEqual(stage["final time"], value_of(Case(), "analysis.0.final time"))
+        coarse = Case().with_cells(0.01)
+        for key in ("basis step", "final time", "mass scaling", "adaptivity.element size", "adaptivity.region"):
+            expected = stage
+            for name in key.split("."):
+                expected = expected[name]
+            self.assertAlmostEqual(expected, value_of(coarse, f"analysis.0.{key}"))
         self.assertEqual(scene["rigid bodies"][0]["points"][0]["position"],
                          value_of(Case(), "rigid bodies.0.points.0.position"))
 
 
 class Results(unittest.TestCase):
-    def test_mean_covers_the_last_part_of_the_way(self):
+    def test_mean_covers_a_part_of_the_way(self):
         displacement = np.linspace(0.001, 0.05, 50)
         force = np.where(displacement > 0.0401, 3., 1.)
-        self.assertAlmostEqual(mean_at_end(Curve(displacement, force, "x", 1)), 3.)
+        self.assertAlmostEqual(mean_between(displacement, force, 0.0401), 3.)
+        self.assertAlmostEqual(mean_between(displacement, force, 0.03, 0.035), 1.)
+
+    def test_records_are_json_with_curves_on_one_line(self):
+        record = {"force": [1., 2.5], "cells": 3, "mobilised": {"vertical": [0.1, 0.2]}}
+        self.assertEqual(json.loads(as_text(record)), record)
+        self.assertIn("1.0, 2.5", as_text(record))
+
+
+class LimitLoads(unittest.TestCase):
+    def test_values_worked_by_hand(self):
+        case = Case(friction_angle=30., depth=0.15)  # passive pressure 3, active 1/3
+        self.assertAlmostEqual(rankine_strip(case), 0.5 * 1590. * 9.81 * 0.04 * (3. - 1. / 3.) / 0.1)
+        self.assertAlmostEqual(broms_square(case), 9. * 1590. * 9.81 * 0.15)
+        self.assertAlmostEqual(limit_strip(case), 7.13 * 1590. * 9.81 * 0.2)
+        self.assertGreater(teng_square(case), rankine_strip(case))
+
+    def test_layer_is_deep_enough(self):
+        self.assertAlmostEqual(Case(depth=0.16).layer, 0.32)
+        self.assertAlmostEqual(Case(depth=0.3).layer, 0.48)
 
 
 if __name__ == "__main__":
