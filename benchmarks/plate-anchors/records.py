@@ -15,11 +15,11 @@ COUNTS = ("cells", "dofs", "material points", "time steps", "cuts", "deepest pen
 
 
 def of_run(case, work):
-    """The run of a case and its record; None for both where it is not there or goes on."""
+    """The run of a case and its record; None for both where it has not come to its end."""
     try:
         run = Run(work / case.name)
         summary = run.summary()
-        if summary.get("status", "running") == "running":
+        if summary.get("status") != "finished":
             return None, None
         curve = resistance_curve(run.body_history(), axis="x", factor=2., start=run.start_of(1))
     except PlotError:

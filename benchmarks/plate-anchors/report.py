@@ -35,10 +35,6 @@ class Result:
         except PlotError:
             self.fit = None
 
-    @property
-    def is_whole(self):
-        return self.displacement.max() > 0.999 * self.case.distance
-
 
 def find_results(cases, work, kept):
     """Those of the cases that ran or, where they did not run here, whose record is kept. Writes the records of the runs."""
@@ -81,10 +77,6 @@ def _fit(result):
     return f"{1e-3 * result.fit.limit:.1f} ± {1e-3 * result.fit.limit_error:.1f}" if result.fit else "-"
 
 
-def _state(result):
-    return "" if result.is_whole else f" (up to {1e3 * result.displacement.max():.0f} mm)"
-
-
 def _common(result):
     record = result.record
     return [_fit(result), f"{1e-3 * result.at_end:.1f}", f"{record['material points']}", f"{record['time steps']}",
@@ -101,7 +93,7 @@ def _shapes(results):
     for result in results:
         known = REFERENCE["shapes"][result.case.shape]
         lab, published = known["laboratory"], known["published"]
-        rows.append([result.case.shape + _state(result), *_common(result)[:2], f"{1e-3 * published:.1f}", f"{1e-3 * lab:.1f}",
+        rows.append([result.case.shape, *_common(result)[:2], f"{1e-3 * published:.1f}", f"{1e-3 * lab:.1f}",
                      f"{100. * (result.at_end / lab - 1.):+.0f} %", f"{result.at_end / first.at_end:.2f}",
                      f"{known['shape factor']:.2f}", f"{lab / REFERENCE['shapes']['TS']['laboratory']:.2f}",
                      *_common(result)[2:]])
@@ -175,7 +167,7 @@ uniform mesh rings for longer.
 def _variation(title, name, of, note="", columns=()):
     """A row per run; `of` tells its case, `columns` are further ones: a head and what a result shows there."""
     def text(results):
-        rows = [[of(result.case) + _state(result), *_common(result), *(show(result) for _, show in columns)]
+        rows = [[of(result.case), *_common(result), *(show(result) for _, show in columns)]
                 for result in results]
         return f"## {title}\n\n{note}" + _table([name, *COMMON, *(head for head, _ in columns)], rows)
     return text
