@@ -5,7 +5,7 @@ from kedge_plot.run import Run
 
 HALVES = 2.  # the model is one half
 DRAG_STAGE = 3
-PALMS = 0.3747  # of the fluke below its axis, m: what rests on the soil as the anchor is placed
+PALMS = 0.4795  # of the fluke below its axis, m: what rests on the soil as the anchor is placed
 TIP, PIVOT, FLUKE_CENTRE, SHANK_CENTRE = 1.7, 0.489, 0.62, 1.7592  # along x where the parts were drawn, m
 
 
