@@ -80,7 +80,8 @@ class Case:
         """What --set says of it; `surface` is the file that `geometry` wrote."""
         step = STEP_IN_CELLS * self.cell
         motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
-        mesh = [f"material points.element size={self.base:g}", f"analysis.0.adaptivity.element size={self.cell:g}", f"analysis.0.adaptivity.region={self.reach:g}",
+        mesh = [f"material points.element size={self.base:g}", f"analysis.0.adaptivity.element size={self.cell:g}",
+                f"analysis.0.adaptivity.region={self.reach:g}",
                 f"analysis.0.adaptivity.element size in region={self.around:g}"]
         if self.uniform:
             mesh = [f"material points.element size={self.around:g}", 'analysis.0.adaptivity={"type": "none"}']

@@ -1,8 +1,10 @@
 """Pictures of stress and displacement around the plates."""
 import matplotlib.pyplot as plt
 import numpy as np
+from kedge_plot.figures import rectangle_corners
 from kedge_plot.section import cut
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.tri import Triangulation
 
 WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
 LONGEST_EDGE = 0.05  # m, of the triangles between material points that a contour line may cross
@@ -32,13 +34,12 @@ def draw_sections(runs, kind, path):
 
 def _draw(axes, section, factor, line, limits, window):
     low, high = section.lower, section.upper
-    corners = np.stack([low, np.column_stack([high[:, 0], low[:, 1]]), high, np.column_stack([low[:, 0], high[:, 1]])], axis=1)
-    boxes = PolyCollection(corners, array=factor * section.values, cmap="viridis", antialiased=False, rasterized=True)
+    boxes = PolyCollection(rectangle_corners(low, high), array=factor * section.values, cmap="viridis", antialiased=False, rasterized=True)
     boxes.set_clim(*limits)
     axes.add_collection(boxes)
     axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1.))
     centre = (low + high) / 2.
-    triangles = plt.matplotlib.tri.Triangulation(*centre.T)
+    triangles = Triangulation(*centre.T)
     edges = centre[triangles.triangles] - np.roll(centre[triangles.triangles], 1, axis=1)
     triangles.set_mask(np.linalg.norm(edges, axis=2).max(axis=1) > LONGEST_EDGE)
     axes.tricontour(triangles, factor * section.values, [line], colors="r", linewidths=1.)

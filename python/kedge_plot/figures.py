@@ -59,7 +59,7 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
         width = 6.3
         height = np.clip(width * (top - bottom) / (right - left), 1.2, 8.) + 0.8
         figure, axes = plt.subplots(figsize=(width, height), layout="constrained")
-        corners = _corners(section.lower, section.upper)
+        corners = rectangle_corners(section.lower, section.upper)
         # Without lines and smoothing no background shines through between boxes that touch.
         boxes = PolyCollection(corners, array=factor * section.values, cmap="viridis", linewidths=0.,
                                antialiased=False, rasterized=True)
@@ -67,7 +67,7 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
             boxes.set_clim(*limits)
         axes.add_collection(boxes)
         if len(section.cells):
-            frames = _corners(section.cells[:, 0], section.cells[:, 1])
+            frames = rectangle_corners(section.cells[:, 0], section.cells[:, 1])
             axes.add_collection(PolyCollection(frames, facecolors="none", edgecolors="0.6", linewidths=0.4))
         if len(section.outline):
             axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1., capstyle="round"))
@@ -78,7 +78,7 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
         _finish(figure, axes, caption, path)
 
 
-def _corners(low, high):
+def rectangle_corners(low, high):
     """Four corners of each rectangle, shape (n, 4, 2)."""
     return np.stack([low, np.column_stack([high[:, 0], low[:, 1]]), high, np.column_stack([low[:, 0], high[:, 1]])],
                     axis=1)
