@@ -9,7 +9,7 @@ namespace
 constexpr double full_share = 0.9;
 
 /// What the leaves (owned and ghost) hold. Collective.
-template <int dim> std::vector<LeafContent> find_soil(const StepScene<dim>& scene)
+template <int dim> std::vector<LeafContent> find_contents(const StepScene<dim>& scene)
 {
   const ParticleSet<dim>& particles = scene.particles;
   const ParticleArrays& arrays = particles.arrays();
@@ -53,7 +53,7 @@ template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const 
     used[node] = 1;
   const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.mass > 0.;
   const bool f_bar = scene.input.material_points.f_bar;
-  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_soil(scene) : std::vector<LeafContent>();
+  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(scene) : std::vector<LeafContent>();
   HostGhostFaces faces;
   if (has_ghosts)
   {
