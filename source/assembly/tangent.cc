@@ -35,6 +35,7 @@ template <int dim> struct TangentKernel
   unsigned int chunk;
   View<double*> volume_factor;
   View<double* [9]> moduli; ///< of the cell's dilation; empty, as the factors are, without F-bar
+  double elastic_share;
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
 
@@ -49,7 +50,7 @@ template <int dim> struct TangentKernel
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
     const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b, particles.young(p),
-                                              materials(particles.layer(p)), tangent);
+                                              materials(particles.layer(p)), tangent, elastic_share);
     if (volume_factor.extent(0) > 0)
       take_out_dilation(p, update.stress, tangent);
     const double volume = particles.initial_volume(p);
@@ -183,7 +184,7 @@ template <int dim> struct TangentKernel
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                  const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
-                 const CellGroups& cells)
+                 const CellGroups& cells, const double elastic_share)
 {
   const unsigned int width = round_up(dim * stencils.max_nodes, column_block);
   const unsigned int gradients = dim * round_up(stencils.max_nodes, node_block);
@@ -195,7 +196,7 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
       particles, stencils,        materials,
       increment, graph.row_begin, graph.column,
       values,    chunk,           find_volume_factors<dim>(particles, stencils, cells, increment),
-      moduli};
+      moduli,    elastic_share};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),
@@ -206,7 +207,7 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
 }
 
 template void add_tangent<2>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&, const CellGroups&);
+                             const NodeGraph&, const View<double*>&, const CellGroups&, double);
 template void add_tangent<3>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&, const CellGroups&);
+                             const NodeGraph&, const View<double*>&, const CellGroups&, double);
 } // namespace kedge

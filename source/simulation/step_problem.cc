@@ -106,8 +106,8 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, c
     find_first_acceleration();
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
-  problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
-  { return solve_linearised(x, r, dx, tolerance); };
+  problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
+  { return solve_linearised(x, r, dx, how); };
   scene.contact.reset_multipliers();
   start_from(problem, prediction);
   NewtonReport report = solve_newton(problem, *increment, scene.input.solver);
@@ -207,14 +207,14 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
 
 template <int dim>
 LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
-                                                const double tolerance)
+                                                const NewtonSystem& how)
 {
   // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
   {
     const auto scope = scene.timings.measure("tangent");
     system->clear_matrix();
     add_tangent<dim>(scene.particles.arrays(), basis.stencils, scene.materials, local_increment, system->graph(),
-                     system->values(), basis.cells);
+                     system->values(), basis.cells, how.damping);
     if (scene.stage.rigid_bodies)
       add_point_tangents(scene.contact.points_of_last_evaluation(), -1., system->graph(), system->values());
     add_ghost_matrix<dim>(basis.ghost_faces, basis.ghost_faces.stiffness, system->graph(), system->values());
@@ -229,7 +229,7 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
                                     scene.contact.points_of_last_evaluation(), body_increments, *system);
   Eigen::VectorXd dy;
   const LinearReport report = linear_solver.solve(*rigid_unknowns->nodal(r), rigid_unknowns->rigid(r), border,
-                                                  *rigid_unknowns->nodal(dx), dy, tolerance);
+                                                  *rigid_unknowns->nodal(dx), dy, how.tolerance);
   rigid_unknowns->set_rigid(dx, dy);
   return report;
 }

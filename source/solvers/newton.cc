@@ -15,6 +15,11 @@ constexpr unsigned int patience = 3; // iterations without progress that count a
 constexpr double progress = 0.9;     // the best residual falls at least by this factor, or nothing is gained
 constexpr double hopeless = 1e8;     // growth of the residual over its start that no further iteration repairs
 
+/// Of the damping: set where a full step has failed, and taken back after full steps, faster where most work remains.
+constexpr double most_damping = 0.1, first_damping = 0.03, least_damping = 1e-5;
+constexpr double least_damped_step = 0.05; // a damped direction that allows no more is given up
+constexpr double damping_raise = 10., damping_ease = 0.6, damping_drop = 0.3;
+
 /// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, and no tighter than what the target needs.
 double choose_linear_tolerance(const std::vector<double>& residuals, const double previous, const double target)
 {
@@ -37,6 +42,21 @@ struct TrialStep
 {
   double step, measure, work;
 };
+
+/// Damping for the next iteration. Where much yields, a tangent is so soft that its full step overshoots by far: a
+/// little of the stiffness without yielding shortens the step just there, where a line search shortens it everywhere.
+/// But only undamped, the direction is sure to lower the residual norm.
+double adapt_damping(const double damping, const TrialStep& start, const TrialStep& taken)
+{
+  if (damping > 0. && taken.step < least_damped_step)
+    return 0.;
+  if (taken.step < 1.)
+    return std::min(most_damping, std::max(first_damping, damping_raise * damping));
+  const double work = taken.work / start.work;
+  const double factor = work > 0.5 ? damping_drop : work > 0. ? damping_ease : 1.;
+  const double eased = damping * std::min(factor, taken.measure / start.measure); // the last steps are quadratic
+  return eased < least_damping ? 0. : eased;
+}
 
 /// Seeks a step at which the work of the residual along it has vanished but for a share (Matthies & Strang 1979, Int.
 /// J. Numer. Meth. Eng. 14), from a full step that overshoots: regula falsi between `start` and `full`. Where contacts
@@ -92,7 +112,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
   double measure = problem.residual(x, residual);
   report.residuals.push_back(measure);
-  double linear_tolerance = loosest, best = measure;
+  double linear_tolerance = loosest, damping = 0., best = measure;
   unsigned int without_progress = 0;
   while (!(measure < parameters.tolerance))
   {
@@ -113,7 +133,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     }
 
     linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, parameters.tolerance);
-    const LinearReport linear = problem.solve(x, residual, dx, linear_tolerance);
+    const LinearReport linear = problem.solve(x, residual, dx, {linear_tolerance, damping});
     ++report.iterations;
     report.krylov_iterations += linear.iterations;
     report.escalations += linear.escalations;
@@ -136,6 +156,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       step = without_progress >= patience ? shorten_step(at, step, measure)
              : work > 0.                  ? search_line(at, step, {0., measure, work})
                                           : halve_step(at, step, highest);
+    damping = adapt_damping(damping, {0., measure, work}, step);
     measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);

@@ -24,7 +24,8 @@ Section<SolverParameters> solver_section()
       "size, 0.03 to 1 suits; 0: none");
   section.required("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
                    "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");
-  section.optional("line search", &P::line_search, on_off(), "Armijo line search along each Newton correction");
+  section.optional("line search", &P::line_search, on_off(),
+                   "Line search along each Newton correction, and damped tangents after one that had to be shortened");
   section.optional("linear solver", &P::linear_solver,
                    choice<LinearSolverChoice>({{"auto", LinearSolverChoice::automatic},
                                                {"iterative", LinearSolverChoice::iterative},

@@ -24,11 +24,12 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
                                       const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force, const CellGroups& cells = {});
 
-/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`.
+/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`. Yielding
+/// particles get at least `elastic_share` of their elastic moduli on top (Newton's damping).
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                  const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
-                 const CellGroups& cells = {});
+                 const CellGroups& cells = {}, double elastic_share = 0.);
 
 /// Adds factor * m S_v g (N) to `force`.
 template <int dim>

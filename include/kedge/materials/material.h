@@ -96,7 +96,7 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
 template <bool with_tangent>
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
                                           const double young, const Material& material, SpatialTangent* tangent,
-                                          SymmetricTensor* next_b = nullptr)
+                                          SymmetricTensor* next_b = nullptr, const double elastic_share = 0.)
 {
   const SymmetricTensor pushed = push_forward(increment, b);
   const PrincipalFrame frame = principal_frame(pushed);
@@ -110,7 +110,9 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   }
   const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
                                      0.5 * std::log(frame.values[2]));
-  const Response response = respond<with_tangent>(trial_strain, young, material);
+  Response response = respond<with_tangent>(trial_strain, young, material);
+  if (response.status != Status::elastic)
+    response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
   if constexpr (with_tangent)
     *tangent = spatial_tangent(response, material.elasticity(young), trial_strain, frame);
   if (next_b != nullptr)
@@ -135,11 +137,13 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   return internal::update_stress<false>(increment, b, young, material, nullptr);
 }
 
-/// The same with the consistent spatial tangent.
+/// The same with the consistent spatial tangent, to which a yielding point adds at least `elastic_share` of its elastic
+/// moduli.
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const double young, const Material& material, SpatialTangent& tangent)
+                                          const double young, const Material& material, SpatialTangent& tangent,
+                                          const double elastic_share = 0.)
 {
-  return internal::update_stress<true>(increment, b, young, material, &tangent);
+  return internal::update_stress<true>(increment, b, young, material, &tangent, nullptr, elastic_share);
 }
 
 /// The same without a tangent for a path of many increments: `b` becomes the one that the next increment goes on from,

@@ -36,7 +36,8 @@ private:
   void find_first_acceleration();
   void start_from(const NewtonProblem& newton, const Prediction& prediction);
   double residual(const TpetraVector& x, TpetraVector& r);
-  LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, double tolerance);
+  LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
+                                const NewtonSystem& how);
 
   StepScene<dim> scene;
   StepBasis basis;

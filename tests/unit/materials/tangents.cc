@@ -187,6 +187,41 @@ TEST_P(Tangents, SpatialInLargeStrain)
   EXPECT_GT(compared, 100);
 }
 
+/// The damped moduli of a yielding point less its own are a share of 1/2 D : L : B alone, the elastic law's moduli plus
+/// its tau_il delta_jk; an elastic point has nothing to add.
+TEST_P(Tangents, DampingAddsAShareOfTheElasticModuli)
+{
+  const double share = 0.05;
+  MaterialParameters linear = GetParam().parameters;
+  linear.type = MaterialType::elastic;
+  const Material elastic = make_material(linear);
+  RandomStrain random(7);
+  int yielding = 0;
+  for (int n = 0; n < 300; ++n)
+  {
+    const SymmetricTensor b = left_cauchy_green(random.symmetric(1e-2));
+    const Eigen::Matrix3d increment = Eigen::Matrix3d::Identity() + random.matrix(1e-2);
+    if (!is_smooth(material, increment, b, 1e-7))
+      continue;
+    SpatialTangent own, damped, full;
+    const Status status = update_stress(increment, b, young, material, own).status;
+    update_stress(increment, b, young, material, damped, share);
+    const Eigen::Matrix3d stress = full_matrix(update_stress(increment, b, young, elastic, full).stress);
+    const double expected_share = status == Status::elastic ? 0. : share;
+    yielding += status != Status::elastic;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int k = 0; k < 3; ++k)
+          for (int l = 0; l < 3; ++l)
+            ASSERT_NEAR(damped(i, j, k, l) - own(i, j, k, l),
+                        expected_share * (full(i, j, k, l) + (j == k ? stress(i, l) : 0.)), 1e-12 * young);
+  }
+  if (GetParam().parameters.type != MaterialType::elastic)
+  {
+    EXPECT_GT(yielding, 30);
+  }
+}
+
 TEST(ApexTangent, KeepsTheResidualFractionOfTheElasticOne)
 {
   const Material material = make_material(make_case("", MaterialType::mohr_coulomb, 30., 0., 0.).parameters);

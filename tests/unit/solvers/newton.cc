@@ -17,7 +17,8 @@ struct Scalar
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
   bool solvable = true;
-  std::vector<double> tolerances; ///< asked of the linear solver
+  double unyielding = 1.;                   ///< stiffness that damping adds a share of
+  std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
   static Teuchos::RCP<const TpetraMap> map()
   {
@@ -35,10 +36,11 @@ struct Scalar
       r.putScalar(f(first(x)));
       return first(x) < admissible_below ? r.norm2() / std::sqrt(r.getGlobalLength()) : INFINITY;
     };
-    problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const double tolerance)
+    problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
     {
-      dx.putScalar(first(r) / derivative(first(x)));
-      tolerances.push_back(tolerance);
+      dx.putScalar(first(r) / (derivative(first(x)) + how.damping * unyielding));
+      tolerances.push_back(how.tolerance);
+      dampings.push_back(how.damping);
       LinearReport report;
       report.converged = solvable;
       report.iterations = 2;
@@ -122,6 +124,21 @@ TEST(Newton, LineSearchRescuesABadStart)
   EXPECT_NEAR(root, 0., 1e-12);
   for (std::size_t k = 0; k + 1 < report.residuals.size(); ++k)
     EXPECT_LT(report.residuals[k + 1], report.residuals[k]);
+}
+
+TEST(Newton, DampsOnlyAfterAStepThatFailed)
+{
+  Scalar easy = cubic();
+  EXPECT_TRUE(easy.solve_from(3., tight()).converged);
+  for (const double damping : easy.dampings)
+    EXPECT_EQ(damping, 0.);
+
+  Scalar hard = arc_tangent();
+  EXPECT_TRUE(hard.solve_from(3., tight()).converged);
+  EXPECT_EQ(hard.dampings[0], 0.);
+  EXPECT_GT(hard.dampings[1], 0.);
+  for (std::size_t k = 1; k + 1 < hard.dampings.size(); ++k) // full steps from there on
+    EXPECT_LE(hard.dampings[k + 1], hard.dampings[k]);
 }
 
 TEST(Newton, LineSearchStepsBackFromWhatIsNotAdmissible)
