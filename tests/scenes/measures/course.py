@@ -34,3 +34,14 @@ def largest_body_difference(first, second, columns):
     """Likewise for columns of the table of rigid bodies."""
     return max(np.max(np.abs(first.body(name) - second.body(name))) / np.max(np.abs(first.body(name)))
                for name in columns)
+
+
+def mean_body_difference(first, second, column):
+    """Mean of a column of the table of rigid bodies in the first run over that in the second, less one."""
+    return np.mean(first.body(column)) / np.mean(second.body(column)) - 1.
+
+
+def share_of_points(first, second):
+    """Material points at the end of the first run over those of the second."""
+    counts = [run.summary["stages"][-1]["material points"] for run in (first, second)]
+    return counts[0] / counts[1]
