@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 WIDTH = 0.1  # m, B of all plates
+STATIC_STEP = 0.0005  # m
 STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two bases
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
 BASE_AT = 0.4  # m, where the plates' back faces stand
@@ -33,6 +34,7 @@ class Case:
     mass_scaling: float = 64.
     distance: float = 0.05
     uniform: bool = False  # cells of the size `around` everywhere
+    static: bool = False  # equilibrium in steps of STATIC_STEP instead of explicit dynamics
 
     @property
     def name(self):
@@ -76,9 +78,17 @@ class Case:
         return ["frustum", "--minor-diameter", f"{minor:g}", "--length", f"{length:g}", "--translate", f"{BASE_AT:g}", "0",
                 f"{self.height:g}", *where]
 
+    @property
+    def scene(self):
+        """Below prm/."""
+        return "plate-anchor-ts.json" if self.static else "plate-anchor-explicit.json"
+
     def settings(self, surface):
         """What --set says of it; `surface` is the file that `geometry` wrote."""
-        step = STEP_IN_CELLS * self.cell
+        step = STATIC_STEP if self.static else STEP_IN_CELLS * self.cell
+        course = [f"analysis.0.load steps={self.distance / step:.0f}"] if self.static else \
+            [f"analysis.0.basis step={step / self.velocity:g}", f"analysis.0.final time={self.distance / self.velocity:g}",
+             f"analysis.0.mass scaling={self.mass_scaling:g}"]
         motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
         mesh = [f"material points.element size={self.base:g}", f"analysis.0.adaptivity.element size={self.cell:g}",
                 f"analysis.0.adaptivity.region={self.reach:g}",
@@ -95,9 +105,7 @@ class Case:
                 f"material points.material size.max=[{self.box_length:g}, {self.half_width:g}]",
                 f"contact.friction coefficient={self.roughness * math.tan(math.radians(self.friction_angle)):.6g}",
                 *mesh,
-                f"analysis.0.basis step={step / self.velocity:g}",
-                f"analysis.0.final time={self.distance / self.velocity:g}",
-                f"analysis.0.mass scaling={self.mass_scaling:g}",
+                *course,
                 f"{motion}={step:g}",
                 "output.vtk percent=100", "output.csv percent=0", "output.checkpoint every=10"]
 

@@ -45,11 +45,21 @@ class Cases(unittest.TestCase):
             self.assertAlmostEqual(value_of(case, "rigid bodies.0.points.0.position")[2], height)
 
     def test_settings_name_keys_of_the_scene(self):
-        scene = json.loads((ROOT / "prm" / "plate-anchor-explicit.json").read_text(encoding="utf-8"))
-        for text in Case().settings("plate.stl"):
-            at = scene
-            for key in text.split("=", 1)[0].split(".")[:-1]:
-                at = at[int(key)] if isinstance(at, list) else at[key]
+        for case in (Case(), Case(static=True)):
+            scene = json.loads((ROOT / "prm" / case.scene).read_text(encoding="utf-8"))
+            for text in case.settings("plate.stl"):
+                at = scene
+                for key in text.split("=", 1)[0].split(".")[:-1]:
+                    at = at[int(key)] if isinstance(at, list) else at[key]
+
+    def test_static_plate_is_the_scene(self):
+        case = Case(static=True)
+        stage = json.loads((ROOT / "prm" / case.scene).read_text(encoding="utf-8"))["analysis"][0]
+        self.assertEqual(value_of(case, "analysis.0.load steps"), stage["load steps"])
+        for key in ("element size", "region", "element size in region"):
+            self.assertEqual(value_of(case, f"analysis.0.adaptivity.{key}"), stage["adaptivity"][key])
+        motion = stage["rigid body boundary conditions"][0]["boundary conditions"][0]["prescribed"]
+        self.assertEqual(motion * stage["load steps"], case.distance)
 
     def test_cells_of_one_size_are_those_of_the_scene(self):
         scene = json.loads((ROOT / "prm" / "plate-anchor-explicit.json").read_text(encoding="utf-8"))
