@@ -111,10 +111,12 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
                                      0.5 * std::log(frame.values[2]));
   Response response = respond<with_tangent>(trial_strain, young, material);
-  if (response.status != Status::elastic)
-    response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
   if constexpr (with_tangent)
+  {
+    if (response.status != Status::elastic)
+      response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
     *tangent = spatial_tangent(response, material.elasticity(young), trial_strain, frame);
+  }
   if (next_b != nullptr)
   {
     const Eigen::Vector3d& e = response.elastic_strain;

@@ -17,7 +17,6 @@ struct Scalar
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
   bool solvable = true;
-  double unyielding = 1.;                   ///< stiffness that damping adds a share of
   std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
   static Teuchos::RCP<const TpetraMap> map()
@@ -38,7 +37,7 @@ struct Scalar
     };
     problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
     {
-      dx.putScalar(first(r) / (derivative(first(x)) + how.damping * unyielding));
+      dx.putScalar(first(r) / (derivative(first(x)) + how.damping));
       tolerances.push_back(how.tolerance);
       dampings.push_back(how.damping);
       LinearReport report;
