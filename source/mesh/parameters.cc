@@ -68,7 +68,40 @@ void check_region(const Adaptivity& adaptivity, const Place& place)
                   shown(adaptivity.element_size_in_region),
               "refine the surface at least as much as the region around it");
 }
+/// In 2-D the third entries are 0 on both sides.
+void check_box(const RefinedBox& box, const Place& place)
+{
+  for (std::size_t axis = 0; axis < (place.context().dimension == 2 ? 2u : 3u); ++axis)
+    if (box.max[axis] <= box.min[axis])
+      place.key("max").entry(axis).fail("expected more than \"min\" of this axis, " + shown(box.min[axis]) +
+                                            " m, found " + shown(box.max[axis]),
+                                        "give the box an extent along every axis");
+}
+
+Section<RefinedBox> box_section()
+{
+  using P = RefinedBox;
+  Section<P> section("A box in which cells stay fine wherever the bodies are");
+  section.required("min", &P::min, vector("m"), "Lower corner");
+  section.required("max", &P::max, vector("m"), "Upper corner; a cell that reaches into the box is refined");
+  section.required("element size", &P::element_size, number("m", positive()), "Cell size in the box");
+  section.check(check_box);
+  return section;
+}
 } // namespace
+
+std::vector<double> finer_sizes(const Adaptivity& adaptivity)
+{
+  std::vector<double> sizes;
+  if (adaptivity.type != AdaptivityType::rigid_body_surface)
+    return sizes;
+  sizes.push_back(adaptivity.element_size);
+  if (adaptivity.region > 0.)
+    sizes.push_back(adaptivity.element_size_in_region);
+  for (const RefinedBox& box : adaptivity.boxes)
+    sizes.push_back(box.element_size);
+  return sizes;
+}
 
 Section<BoundaryConditions> boundary_conditions_section()
 {
@@ -106,6 +139,10 @@ Section<Adaptivity> adaptivity_section()
       .optional(
           "element size in region", [](P& into, double read) { into.element_size_in_region = read; },
           number("m", positive()), "Cell size in that region")
+      .only_for("type", surface);
+  section
+      .optional("boxes", &P::boxes, list_of(object_of(box_section())),
+                "Boxes that are fine before a body comes near: a mesh that does not change changes no resistance")
       .only_for("type", surface);
   section.optional("merge", &P::merge, on_off(), "Merge split material points again where the bodies have left");
   section.check(check_region);

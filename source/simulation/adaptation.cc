@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <kedge/basis/ghost_faces.h>
 #include <kedge/mesh/adaptation.h>
@@ -15,6 +16,16 @@ constexpr double worst_imbalance = 1.1;
 /// and an STL file places it in single precision.
 constexpr double touching = 1e-4; // of the cell's edge
 
+/// Touching does not count. The margin belongs to the box, so that what reaches into a cell reaches into its parent.
+template <int dim> bool reaches_into(const RefinedBox& box, const std::array<double, dim>& corner, const double size)
+{
+  const double margin = 1e-6 * box.element_size;
+  for (unsigned int d = 0; d < dim; ++d)
+    if (corner[d] + size < box.min[d] + margin || corner[d] > box.max[d] - margin)
+      return false;
+  return true;
+}
+
 template <int dim>
 double wanted_size(const AdaptationTarget& target, const double base_size, const std::array<double, dim>& corner,
                    const double size)
@@ -22,14 +33,19 @@ double wanted_size(const AdaptationTarget& target, const double base_size, const
   const Adaptivity& adaptivity = target.adaptivity;
   if (adaptivity.type != AdaptivityType::rigid_body_surface)
     return base_size;
+  double wanted = base_size;
+  for (const RefinedBox& box : adaptivity.boxes)
+    if (box.element_size < wanted && reaches_into<dim>(box, corner, size))
+      wanted = box.element_size;
   // plane strain is in the plane y = 0
   const Eigen::Vector3d lower(corner[0], dim == 3 ? corner[1] : 0., corner[dim - 1]);
   const Eigen::Vector3d upper = lower + size * Eigen::Vector3d(1., dim == 3 ? 1. : 0., 1.);
   if (surface_comes_within(target.bodies, lower, upper, touching * size))
-    return adaptivity.element_size;
-  if (adaptivity.region > 0. && surface_comes_within(target.bodies, lower, upper, adaptivity.region))
+    return std::min(wanted, adaptivity.element_size);
+  if (adaptivity.region > 0. && adaptivity.element_size_in_region < wanted &&
+      surface_comes_within(target.bodies, lower, upper, adaptivity.region))
     return adaptivity.element_size_in_region;
-  return base_size;
+  return wanted;
 }
 
 /// By leaf: whether any rank's particles reach into it.

@@ -52,6 +52,15 @@ bool is_refined(const Stage& stage)
   return stage.rigid_bodies && stage.adaptivity.type == AdaptivityType::rigid_body_surface;
 }
 
+/// Edge of the smallest cells (m).
+double finest_size(const Adaptivity& adaptivity, const double base_size)
+{
+  double finest = base_size;
+  for (const double size : finer_sizes(adaptivity))
+    finest = std::min(finest, size);
+  return finest;
+}
+
 /// The soil at rest on the mesh that the bodies refine, without a solution.
 template <int dim> class RefinedSoil
 {
@@ -107,13 +116,16 @@ private:
     const unsigned int points_per_axis = input.material_points.points_per_axis;
     const AdaptationHooks hooks{[&] { split_particles(particles, mesh, points_per_axis); }, [] {}};
     Adaptivity level = adaptivity;
-    for (double size = mesh.layout().base_size; size > adaptivity.element_size && !counting_stopped;)
+    const double finest = finest_size(adaptivity, mesh.layout().base_size);
+    for (double size = mesh.layout().base_size; size > finest && !counting_stopped;)
     {
       size *= 0.5;
       level.element_size = std::max(size, adaptivity.element_size);
       level.element_size_in_region = std::max(size, adaptivity.element_size_in_region);
+      for (std::size_t i = 0; i < level.boxes.size(); ++i)
+        level.boxes[i].element_size = std::max(size, adaptivity.boxes[i].element_size);
       adapt_mesh<dim>(mesh, particles, {bodies, level, points_per_axis, 1.}, hooks);
-      counting_stopped = size > adaptivity.element_size && particles.n_global() > most_particles;
+      counting_stopped = size > finest && particles.n_global() > most_particles;
     }
   }
 
@@ -153,10 +165,9 @@ double count_time_steps(const Input& input, const Stage& stage)
   const SteppingParameters& stepping = stage.stepping;
   if (stepping.dt > 0.)
     return stepping.final_time / stepping.dt;
-  double size = input.material_points.element_size, fastest = 0.;
-  for (const double finer : {stage.adaptivity.element_size, stage.adaptivity.element_size_in_region})
-    if (is_refined(stage) && finer > 0.)
-      size = std::min(size, finer);
+  const double base = input.material_points.element_size;
+  const double size = is_refined(stage) ? finest_size(stage.adaptivity, base) : base;
+  double fastest = 0.;
   for (const Layer& layer : input.material_points.layers)
     fastest = std::max(fastest, layer.material.young / (1. - 2. * std::min(layer.material.poisson, 0.499)) /
                                     layer.material.density);

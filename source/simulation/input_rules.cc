@@ -67,6 +67,13 @@ void check_sizes(const Stage& stage, const Input& input, const Place& place)
     if (size > base)
       adaptivity.key(name).fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
                                 "refinement cannot coarsen: lower it");
+  for (std::size_t i = 0; i < stage.adaptivity.boxes.size(); ++i)
+    if (const double size = stage.adaptivity.boxes[i].element_size; size > base)
+      adaptivity.key("boxes")
+          .entry(i)
+          .key("element size")
+          .fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
+                "refinement cannot coarsen: lower it");
 }
 
 /// Surfaces are what is placed, followed by the window and refined around.

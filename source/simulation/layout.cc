@@ -7,12 +7,8 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
 {
   std::vector<double> sizes;
   for (const Stage& stage : input.stages)
-    if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
-    {
-      sizes.push_back(stage.adaptivity.element_size);
-      if (stage.adaptivity.region > 0.)
-        sizes.push_back(stage.adaptivity.element_size_in_region);
-    }
+    for (const double size : finer_sizes(stage.adaptivity))
+      sizes.push_back(size);
   const MaterialPointParameters& soil = input.material_points;
   std::array<double, dim - 1> footprint;
   std::copy_n(soil.plan_extent.begin(), dim - 1, footprint.begin());

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 namespace kedge::schema
 {
@@ -32,14 +33,25 @@ enum class AdaptivityType
   rigid_body_surface
 };
 
+/// Cells that stay fine wherever the bodies are.
+struct RefinedBox
+{
+  std::array<double, 3> min{}, max{}; ///< m; in 2-D [x, z]
+  double element_size = 0.;           ///< m
+};
+
 struct Adaptivity
 {
   AdaptivityType type = AdaptivityType::none;
   double element_size = 0.;           ///< at the surface, m
   double region = 0.;                 ///< distance from the surface, m; 0: none
   double element_size_in_region = 0.; ///< m
+  std::vector<RefinedBox> boxes;
   bool merge = false;
 };
+
+/// All cell sizes (m) that are asked for beside the base size.
+std::vector<double> finer_sizes(const Adaptivity& adaptivity);
 
 enum class Advance
 {

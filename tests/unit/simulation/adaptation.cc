@@ -158,6 +158,15 @@ public:
   {
     if (crosses(cell))
       return this->finest;
+    for (const RefinedBox& box : this->adaptivity.boxes)
+    {
+      double narrowest = this->base;
+      for (unsigned int d = 0; d < dim; ++d)
+        narrowest =
+            std::min(narrowest, std::min(cell.lower[d] + cell.size, box.max[d]) - std::max(cell.lower[d], box.min[d]));
+      if (narrowest > 1e-9)
+        return box.element_size;
+    }
     const OrientedBox box = in_space(cell);
     return this->adaptivity.region > 0. && surface_comes_within(this->bodies, box.centre - box.half_width,
                                                                 box.centre + box.half_width, this->adaptivity.region)
@@ -209,6 +218,25 @@ TYPED_TEST(Adaptation, RefinesTheRegionAroundTheSurfaces)
   this->adaptivity.region = 0.12; // 2:1 alone makes cells of half the base size farther than that
   this->adaptivity.element_size_in_region = this->finest;
   ASSERT_TRUE(this->adapt());
+  this->expect_the_coarsest_mesh_that_is_wanted();
+}
+
+TYPED_TEST(Adaptation, KeepsABoxFineWhereverTheBodyIs)
+{
+  this->adapt();
+  const auto few = this->cells().size();
+  RefinedBox box;
+  box.min.fill(0.5 * this->base);
+  box.max.fill(this->base); // ends on faces of cells, which does not refine those beyond
+  box.element_size = this->finest;
+  this->adaptivity.boxes = {box};
+  ASSERT_TRUE(this->adapt());
+  EXPECT_GT(this->cells().size(), few);
+  this->expect_the_coarsest_mesh_that_is_wanted();
+  this->bodies.points[1].pose.position[0] += 100.;
+  this->place({100., 0., 0.});
+  ASSERT_TRUE(this->adapt());
+  EXPECT_FALSE(this->has_base_cells_only());
   this->expect_the_coarsest_mesh_that_is_wanted();
 }
 
