@@ -37,6 +37,20 @@ Json parse(const std::string& text, const std::string& path)
   return json;
 }
 
+/// Takes the end of the last stage out of both where it is later now: the way up to the restart file is the same.
+void forget_later_end(Json& now, Json& then)
+{
+  if (now.at("analysis").size() != then.at("analysis").size())
+    return;
+  Json &stage = now["analysis"].back(), &stage_then = then["analysis"].back();
+  if (stage.contains("final time") && stage_then.contains("final time") &&
+      stage["final time"] > stage_then["final time"])
+  {
+    stage.erase("final time");
+    stage_then.erase("final time");
+  }
+}
+
 /// Throws InputError where two inputs differ in what makes the state.
 void require_same_input(const std::string& now, const std::string& then, const std::string& path)
 {
@@ -46,13 +60,14 @@ void require_same_input(const std::string& now, const std::string& then, const s
     a.erase(free);
     b.erase(free);
   }
+  forget_later_end(b, a);
   const Json difference = Json::diff(a, b);
   if (!difference.empty())
     throw InputError("restart",
                      fmt::format("{} belongs to an input with another value of {}", path,
                                  difference[0].at("path").get<std::string>()),
                      "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
-                     "may differ");
+                     "may differ, and a later \"final time\" of the last stage");
 }
 
 /// A point of the grid as a number that does not depend on how it was computed.

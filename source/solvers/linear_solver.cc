@@ -17,7 +17,8 @@ using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
 constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
-constexpr std::size_t never_direct_above = 60000; // dofs: fill-in of three-dimensional problems
+/// Dofs: fill-in takes minutes and gigabytes beyond.
+constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 constexpr double almost_zero =
     1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
 constexpr unsigned int worth_a_rebuild = 8; // iterations that cost about as much as a new hierarchy
@@ -122,6 +123,11 @@ struct LinearSolver::Implementation
   Teuchos::RCP<const Operator> eliminated; ///< what GMRES sees in place of the matrix while there is a border
   bool strong_hierarchy = false;
   unsigned int fresh_iterations = 0, last_iterations = 0; ///< of the present hierarchy
+
+  bool affords_direct() const
+  {
+    return matrix->getGlobalNumRows() < (block_size == 2 ? never_direct_above_2d : never_direct_above_3d);
+  }
 
   bool prefers_direct() const
   {
@@ -295,7 +301,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
     y = corner.solve(border_right_side - multiply_rows(border, x));
     report.converged = report.converged && y.allFinite();
   }
-  if (!report.converged && solver.matrix->getGlobalNumRows() < never_direct_above)
+  if (!report.converged && solver.affords_direct())
   {
     LinearReport direct = solver.solve_direct(right_side, border_right_side, border, x, y);
     direct.iterations = report.iterations;

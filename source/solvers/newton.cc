@@ -43,6 +43,11 @@ struct TrialStep
   double step, measure, work;
 };
 
+double raise_damping(const double damping)
+{
+  return std::min(most_damping, std::max(first_damping, damping_raise * damping));
+}
+
 /// Damping for the next iteration. Where much yields, a tangent is so soft that its full step overshoots by far: a
 /// little of the stiffness without yielding shortens the step just there, where a line search shortens it everywhere.
 /// But only undamped, the direction is sure to lower the residual norm.
@@ -51,7 +56,7 @@ double adapt_damping(const double damping, const TrialStep& start, const TrialSt
   if (damping > 0. && taken.step < least_damped_step)
     return 0.;
   if (taken.step < 1.)
-    return std::min(most_damping, std::max(first_damping, damping_raise * damping));
+    return raise_damping(damping);
   const double work = taken.work / start.work;
   const double factor = work > 0.5 ? damping_drop : work > 0. ? damping_ease : 1.;
   const double eased = damping * std::min(factor, taken.measure / start.measure); // the last steps are quadratic
@@ -137,6 +142,11 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     ++report.iterations;
     report.krylov_iterations += linear.iterations;
     report.escalations += linear.escalations;
+    if (!linear.converged && damping < most_damping) // too soft a system for the linear solver
+    {
+      damping = raise_damping(damping);
+      continue;
+    }
     if (!linear.converged)
     {
       report.failure = "the linear system could not be solved";

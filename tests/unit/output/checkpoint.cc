@@ -377,6 +377,16 @@ TYPED_TEST(Checkpoint, OtherOutputIsAccepted)
   EXPECT_NO_THROW(this->read(other));
 }
 
+TYPED_TEST(Checkpoint, TheLastStageMayEndLaterThanItWasToButNotEarlier)
+{
+  const auto until = [](const char* first, const char* last)
+  { return std::string(R"({"analysis": [{"final time": )") + first + R"(}, {"final time": )" + last + "}]}"; };
+  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("1.0", "3.0"), this->file);
+  EXPECT_NO_THROW(this->read(until("1.0", "19.0")));
+  EXPECT_THROW(this->read(until("1.0", "2.0")), InputError);
+  EXPECT_THROW(this->read(until("2.0", "3.0")), InputError);
+}
+
 TYPED_TEST(Checkpoint, ReplacesTheFileAndLeavesNoDraft)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)

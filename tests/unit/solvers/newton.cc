@@ -16,7 +16,7 @@ struct Scalar
 
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
-  bool solvable = true;
+  double least_solvable_damping = 0.;
   std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
   static Teuchos::RCP<const TpetraMap> map()
@@ -41,7 +41,7 @@ struct Scalar
       tolerances.push_back(how.tolerance);
       dampings.push_back(how.damping);
       LinearReport report;
-      report.converged = solvable;
+      report.converged = how.damping >= least_solvable_damping;
       report.iterations = 2;
       report.escalations = 1;
       return report;
@@ -179,11 +179,24 @@ TEST(Newton, ReportsThatNoPartOfTheStepIsAdmissible)
 TEST(Newton, ReportsAnUnsolvableLinearSystem)
 {
   Scalar problem = cubic();
-  problem.solvable = false;
+  problem.least_solvable_damping = INFINITY;
   const NewtonReport report = problem.solve_from(1., tight());
   EXPECT_FALSE(report.converged);
-  EXPECT_EQ(report.iterations, 1u);
+  EXPECT_EQ(report.iterations, problem.dampings.size());
+  EXPECT_GT(problem.dampings.back(), 0.); // tried too
   EXPECT_EQ(report.failure, "the linear system could not be solved");
+}
+
+TEST(Newton, DampsASystemThatIsTooSoftForTheLinearSolver)
+{
+  Scalar problem = cubic();
+  problem.least_solvable_damping = 1e-9;
+  double root = 0.;
+  SolverParameters parameters = tight();
+  parameters.max_newton_iterations = 100; // every other one has to be damped anew
+  EXPECT_TRUE(problem.solve_from(1., parameters, &root).converged);
+  EXPECT_EQ(problem.dampings[0], 0.);
+  EXPECT_GT(problem.dampings[1], 0.);
 }
 
 TEST(Newton, ReportsDivergence)
