@@ -161,17 +161,18 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return TrialStep{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
     };
     const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
+    const bool shortens = without_progress >= patience; // once: several in a row crawl from kink to kink
     TrialStep step = at(1.);
     if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
-      step = without_progress >= patience ? shorten_step(at, step, measure)
-             : work > 0.                  ? search_line(at, step, {0., measure, work})
-                                          : halve_step(at, step, highest);
+      step = shortens    ? shorten_step(at, step, measure)
+             : work > 0. ? search_line(at, step, {0., measure, work})
+                         : halve_step(at, step, highest);
     damping = adapt_damping(damping, {0., measure, work}, step);
     measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);
     report.residuals.push_back(measure);
-    without_progress = measure < progress * best ? 0 : without_progress + 1;
+    without_progress = shortens || measure < progress * best ? 0 : without_progress + 1;
     best = std::min(best, measure);
   }
   report.converged = true;
