@@ -1,13 +1,16 @@
 """The runs of the plate-anchor study: one case is one run, and parts of the study share them."""
 import dataclasses
+import json
 import math
+import pathlib
 
 import numpy as np
 
 WIDTH = 0.1  # m, B of all plates
-STATIC_STEP = 0.0005  # m
+STATIC_STEP, DYNAMIC_STEP = 0.0005, 0.0001  # m
 STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two bases
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
+PRM = pathlib.Path(__file__).resolve().parents[2] / "prm"
 BASE_AT = 0.4  # m, where the plates' back faces stand
 LAYER, BELOW = 0.32, 0.16  # m: the sand of the tests, and the least under a plate's axis
 WHOLE = 0.04  # m, of which a layer's thickness is a multiple
@@ -34,7 +37,8 @@ class Case:
     mass_scaling: float = 64.
     distance: float = 0.05
     uniform: bool = False  # cells of the size `around` everywhere
-    static: bool = False  # equilibrium in steps of STATIC_STEP instead of explicit dynamics
+    ahead: bool = False  # cells of the size `around` along the plate's whole way from the start, not up to `reach` from it
+    analysis: str = "explicit"  # or "static" in steps of STATIC_STEP, or "dynamic", implicitly, in steps of DYNAMIC_STEP
 
     @property
     def name(self):
@@ -43,7 +47,7 @@ class Case:
         for field in dataclasses.fields(self)[1:]:
             value = getattr(self, field.name)
             if value != field.default:
-                parts.append(f"{field.name.replace('_', '-')}-{value:g}")
+                parts.append(f"{field.name.replace('_', '-')}-{value if isinstance(value, str) else format(value, 'g')}")
         return "-".join(parts)
 
     def with_cells(self, cell):
@@ -81,22 +85,43 @@ class Case:
     @property
     def scene(self):
         """Below prm/."""
-        return "plate-anchor-ts.json" if self.static else "plate-anchor-explicit.json"
+        return "plate-anchor-explicit.json" if self.analysis == "explicit" else "plate-anchor-ts.json"
+
+    @property
+    def stage(self):
+        """The pull, from that of the scene."""
+        stage = json.loads((PRM / self.scene).read_text(encoding="utf-8"))["analysis"][0]
+        step = {"explicit": STEP_IN_CELLS * self.cell, "static": STATIC_STEP, "dynamic": DYNAMIC_STEP}[self.analysis]
+        stage["rigid body boundary conditions"][0]["boundary conditions"][0] = {"prescribed": step}
+        if self.analysis == "static":
+            stage["load steps"] = round(self.distance / step)
+        else:
+            stage["final time"] = self.distance / self.velocity
+        if self.analysis == "explicit":
+            stage |= {"basis step": step / self.velocity, "mass scaling": self.mass_scaling}
+        if self.analysis == "dynamic":
+            del stage["load steps"], stage["load"]
+            stage |= {"type": "dynamic", "dt": step / self.velocity, "beta": 0.25, "gamma": 0.5}
+        stage["adaptivity"] = {"type": "none"} if self.uniform else {
+            "type": "rigid body surface", "element size": self.cell,
+            **({"boxes": self.boxes} if self.ahead else {"region": self.reach, "element size in region": self.around})}
+        return stage
+
+    @property
+    def boxes(self):
+        """Around the plate's way, and a wider one of cells twice as large."""
+        front = BASE_AT + (0.01 if self.shape == "TS" else FRUSTA[self.shape][1]) + self.distance
+        axis, half = self.height, WIDTH / 2.
+        return [{"min": [BASE_AT - 0.04, 0., axis - half - 0.04], "max": [front + 0.06, half + 0.05, axis + half + 0.04],
+                 "element size": self.around},
+                {"min": [BASE_AT - 0.08, 0., axis - half - 0.07], "max": [front + 0.18, half + 0.07, self.layer],
+                 "element size": 2. * self.around}]
 
     def settings(self, surface):
         """What --set says of it; `surface` is the file that `geometry` wrote."""
-        step = STATIC_STEP if self.static else STEP_IN_CELLS * self.cell
-        course = [f"analysis.0.load steps={self.distance / step:.0f}"] if self.static else \
-            [f"analysis.0.basis step={step / self.velocity:g}", f"analysis.0.final time={self.distance / self.velocity:g}",
-             f"analysis.0.mass scaling={self.mass_scaling:g}"]
-        motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed"
-        mesh = [f"material points.element size={self.base:g}", f"analysis.0.adaptivity.element size={self.cell:g}",
-                f"analysis.0.adaptivity.region={self.reach:g}",
-                f"analysis.0.adaptivity.element size in region={self.around:g}"]
-        if self.uniform:
-            mesh = [f"material points.element size={self.around:g}", 'analysis.0.adaptivity={"type": "none"}']
         return [f"rigid bodies.0.stl files.0.stl={surface}",
                 f"rigid bodies.0.points.0.position=[{BASE_AT + 0.005:g}, 0, {self.height:g}]",
+                f"material points.element size={self.around if self.uniform else self.base:g}",
                 f"material points.layers.0.thickness={self.layer:g}",
                 f"material points.layers.0.material.friction angle={self.friction_angle:g}",
                 f"material points.layers.0.material.dilation angle={self.dilation_angle:g}",
@@ -104,9 +129,7 @@ class Case:
                 f"domain.size={self.box_length:g}",
                 f"material points.material size.max=[{self.box_length:g}, {self.half_width:g}]",
                 f"contact.friction coefficient={self.roughness * math.tan(math.radians(self.friction_angle)):.6g}",
-                *mesh,
-                *course,
-                f"{motion}={step:g}",
+                f"analysis.0={json.dumps(self.stage)}",
                 "output.vtk percent=100", "output.csv percent=0", "output.checkpoint every=10"]
 
 

@@ -184,14 +184,16 @@ def _per_overburden(result):
 _TEXTS = {
     "shapes": _shapes,
     "static": _variation("Static equilibrium", "shape, analysis",
-                         lambda case: f"{case.shape}, {'static' if case.static else 'explicit'}",
-                         "The same meshes in implicit static steps of 0.5 mm, residuals of 1 % of the soil's nodal weights, "
-                         "beside explicit dynamics with scaled mass.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
+                         lambda case: f"{case.shape}, {case.analysis}",
+                         "Implicit static steps of 0.5 mm, residuals of 0.1 % of the soil's nodal weights, cells of 10 mm along the plate's "
+                         "whole way and of 20 mm around from the start, beside explicit dynamics with scaled mass and cells of 10 mm up to "
+                         "40 mm from the plate.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
     "resolution": _variation("Resolution", "shape, cells at the plate, around it, beyond / mm",
                              lambda case: f"{case.shape}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "
                                           f"{1e3 * case.base:g}"),
     "rate": _variation("Loading rate (figure 6)", "velocity, mass scaling",
-                       lambda case: f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}"),
+                       lambda case: "static" if case.analysis == "static" else
+                       f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
     "friction": _variation("Friction angle (figure 12)", "angle / °", lambda case: f"{case.friction_angle:g}",
                            "The plate's friction is the tangent of the same angle.\n\n"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
