@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <kedge/solvers/newton.h>
 
 namespace kedge
@@ -9,11 +10,12 @@ namespace
 constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 8;
-constexpr double slack = 0.7;        // share of the work along a step that may remain
-constexpr double growth_limit = 10.; // of the residual in a step accepted for its work
-constexpr unsigned int patience = 3; // iterations without progress that count as a cycle
-constexpr double progress = 0.9;     // the best residual falls at least by this factor, or nothing is gained
-constexpr double hopeless = 1e8;     // growth of the residual over its start that no further iteration repairs
+constexpr double slack = 0.7;           // share of the work along a step that may remain
+constexpr double growth_limit = 10.;    // of the residual in a step accepted for its work
+constexpr unsigned int patience = 3;    // iterations without progress that count as a cycle
+constexpr unsigned int stagnation = 24; // such iterations after which shorter load steps are cheaper than more of them
+constexpr double progress = 0.9;        // the lowest residual falls at least by this factor, or nothing is gained
+constexpr double hopeless = 1e8;        // growth of the residual over its start that no further iteration repairs
 
 /// Of the damping: set where a full step has failed, and taken back after full steps, faster where most work remains.
 constexpr double most_damping = 0.1, first_damping = 0.03, least_damping = 1e-5;
@@ -117,7 +119,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
   double measure = problem.residual(x, residual);
   report.residuals.push_back(measure);
-  double linear_tolerance = loosest, damping = 0., best = measure;
+  double linear_tolerance = loosest, damping = 0., lowest = measure;
   unsigned int without_progress = 0;
   while (!(measure < parameters.tolerance))
   {
@@ -129,6 +131,11 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     if (report.iterations == parameters.max_newton_iterations)
     {
       report.failure = "no convergence in " + std::to_string(report.iterations) + " iterations";
+      return report;
+    }
+    if (without_progress == stagnation)
+    {
+      report.failure = fmt::format("no progress in {} iterations", stagnation);
       return report;
     }
     if (measure > hopeless * std::max(1., report.residuals.front()))
@@ -161,7 +168,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return TrialStep{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
     };
     const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
-    const bool shortens = without_progress >= patience; // once: several in a row crawl from kink to kink
+    // once in a while: several in a row crawl from kink to kink
+    const bool shortens = without_progress % (patience + 1) == patience;
     TrialStep step = at(1.);
     if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
       step = shortens    ? shorten_step(at, step, measure)
@@ -172,8 +180,9 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);
     report.residuals.push_back(measure);
-    without_progress = shortens || measure < progress * best ? 0 : without_progress + 1;
-    best = std::min(best, measure);
+    const bool gained = measure < progress * lowest;
+    without_progress = gained ? 0 : without_progress + 1;
+    lowest = gained ? measure : lowest;
   }
   report.converged = true;
   return report;

@@ -199,6 +199,19 @@ TEST(Newton, DampsASystemThatIsTooSoftForTheLinearSolver)
   EXPECT_GT(problem.dampings[1], 0.);
 }
 
+TEST(Newton, GivesUpWhereNothingIsGainedAnyMore)
+{
+  Scalar problem = cubic();
+  problem.f = [](double x) { return x * x + 1.; }; // no root
+  problem.derivative = [](double x) { return 2. * x; };
+  SolverParameters parameters = tight();
+  parameters.max_newton_iterations = 1000;
+  const NewtonReport report = problem.solve_from(0.5, parameters);
+  EXPECT_FALSE(report.converged);
+  EXPECT_LT(report.iterations, 40u);
+  EXPECT_EQ(report.failure, "no progress in 24 iterations");
+}
+
 TEST(Newton, ReportsDivergence)
 {
   SolverParameters parameters = tight();
