@@ -37,13 +37,13 @@ def draw(folder):
         rows = [row for row in table if row["soil"] == soil]
         draw_curves(axes, soil, rows, points)
         for number, row in enumerate(rows[1:]):
-            panels[-1].plot(float(row["mean difference / %"]), float(row["faster"]), marker, color=f"C{number}",
+            panels[-1].plot(abs(float(row["difference / %"])), float(row["faster"]), marker, color=f"C{number}",
                             label=f"{soil}, {row['mesh']}")
     panels[-1].axvline(2., color="0.6", linestyle="--", linewidth=1)
     panels[-1].axhline(8., color="0.6", linestyle="--", linewidth=1)
     panels[-1].set_xlim(left=0.)
     panels[-1].set_yscale("log")
-    panels[-1].set_xlabel(f"mean difference to {table[0]['mesh']} / %")
+    panels[-1].set_xlabel(f"difference of the mean resistance to {table[0]['mesh']} / %")
     panels[-1].set_ylabel(f"times faster than {table[0]['mesh']}")
     panels[-1].legend(fontsize=7)
     figure.tight_layout()

@@ -109,13 +109,11 @@ class Case:
 
     @property
     def boxes(self):
-        """Around the plate's way, and a wider one of cells twice as large."""
+        """Around the plate's way."""
         front = BASE_AT + (0.01 if self.shape == "TS" else FRUSTA[self.shape][1]) + self.distance
-        axis, half = self.height, WIDTH / 2.
-        return [{"min": [BASE_AT - 0.04, 0., axis - half - 0.04], "max": [front + 0.06, half + 0.05, axis + half + 0.04],
-                 "element size": self.around},
-                {"min": [BASE_AT - 0.08, 0., axis - half - 0.07], "max": [front + 0.18, half + 0.07, self.layer],
-                 "element size": 2. * self.around}]
+        half = WIDTH / 2. + 0.04
+        return [{"min": [BASE_AT - 0.04, 0., self.height - half], "max": [front + 0.06, half, self.height + half],
+                 "element size": self.around}]
 
     def settings(self, surface):
         """What --set says of it; `surface` is the file that `geometry` wrote."""

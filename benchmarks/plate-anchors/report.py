@@ -185,9 +185,9 @@ _TEXTS = {
     "shapes": _shapes,
     "static": _variation("Static equilibrium", "shape, analysis",
                          lambda case: f"{case.shape}, {case.analysis}",
-                         "Implicit static steps of 0.5 mm, residuals of 0.1 % of the soil's nodal weights, cells of 10 mm along the plate's "
-                         "whole way and of 20 mm around from the start, beside explicit dynamics with scaled mass and cells of 10 mm up to "
-                         "40 mm from the plate.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
+                         "Implicit static steps of 0.5 mm, residuals of 0.1 % of the soil's nodal weights, cells of 10 mm up to 40 mm from "
+                         "the plate's whole way from the start, beside explicit dynamics with scaled mass and cells of 10 mm up to 40 mm from "
+                         "where the plate is.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
     "resolution": _variation("Resolution", "shape, cells at the plate, around it, beyond / mm",
                              lambda case: f"{case.shape}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "
                                           f"{1e3 * case.base:g}"),
