@@ -32,7 +32,7 @@ def draw(folder):
     """Resistance over displacement by soil, and speed over difference, of all meshes in the folder's tables."""
     table, points = read(folder / "table.csv"), read(folder / "curves.csv")
     soils = list(dict.fromkeys(row["soil"] for row in table))
-    figure, panels = plt.subplots(1, len(soils) + 1, figsize=(14, 4.2))
+    figure, panels = plt.subplots(1, len(soils) + 1, figsize=(17, 4.2))
     for axes, soil, marker in zip(panels, soils, "os"):
         rows = [row for row in table if row["soil"] == soil]
         draw_curves(axes, soil, rows, points)
@@ -45,7 +45,7 @@ def draw(folder):
     panels[-1].set_yscale("log")
     panels[-1].set_xlabel(f"difference of the mean resistance to {table[0]['mesh']} / %")
     panels[-1].set_ylabel(f"times faster than {table[0]['mesh']}")
-    panels[-1].legend(fontsize=7)
+    panels[-1].legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.))
     figure.tight_layout()
     figure.savefig(folder / "chart.png", dpi=90)
 

@@ -214,7 +214,9 @@ _TEXTS = {
 def _label(case, cases):
     """What tells a case from the others of its part."""
     fields = [field.name for field in dataclasses.fields(case) if len({getattr(other, field.name) for other in cases}) > 1]
-    return ", ".join(f"{name.replace('_', ' ')} {getattr(case, name)}" for name in fields) or case.name
+    values = [(name.replace("_", " "), getattr(case, name)) for name in fields]
+    said = [name if value is True else value if isinstance(value, str) else f"{name} {value}" for name, value in values if value is not False]
+    return ", ".join(said) or case.name
 
 
 def _draw_curves(results, part, path):
