@@ -1,4 +1,5 @@
 """The plate-anchor study: its cases, and how it reads their results."""
+import dataclasses
 import json
 import math
 import pathlib
@@ -27,10 +28,15 @@ class Cases(unittest.TestCase):
 
     def test_body_moves_a_share_of_a_cell_per_basis_step_at_its_velocity(self):
         case = Case(cell=0.005, velocity=0.2)
-        step = value_of(case, "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed")
+        stage = value_of(case, "analysis.0")
+        step = stage["rigid body boundary conditions"][0]["boundary conditions"][0]["prescribed"]
         self.assertAlmostEqual(step, 0.05 * case.cell)
-        self.assertAlmostEqual(step / value_of(case, "analysis.0.basis step"), case.velocity)
-        self.assertAlmostEqual(value_of(case, "analysis.0.final time"), case.distance / case.velocity)
+        self.assertAlmostEqual(step / stage["basis step"], case.velocity)
+        self.assertAlmostEqual(stage["final time"], case.distance / case.velocity)
+        implicit = dataclasses.replace(case, analysis="dynamic")
+        stage = value_of(implicit, "analysis.0")
+        step = stage["rigid body boundary conditions"][0]["boundary conditions"][0]["prescribed"]
+        self.assertAlmostEqual(step / stage["dt"], case.velocity)
 
     def test_plate_is_as_rough_as_the_sand(self):
         self.assertAlmostEqual(value_of(Case(friction_angle=30.), "contact.friction coefficient"),
@@ -45,7 +51,7 @@ class Cases(unittest.TestCase):
             self.assertAlmostEqual(value_of(case, "rigid bodies.0.points.0.position")[2], height)
 
     def test_settings_name_keys_of_the_scene(self):
-        for case in (Case(), Case(static=True)):
+        for case in (Case(), Case(analysis="static")):
             scene = json.loads((ROOT / "prm" / case.scene).read_text(encoding="utf-8"))
             for text in case.settings("plate.stl"):
                 at = scene
@@ -53,11 +59,15 @@ class Cases(unittest.TestCase):
                     at = at[int(key)] if isinstance(at, list) else at[key]
 
     def test_static_plate_is_the_scene(self):
-        case = Case(static=True)
+        case = Case(ahead=True, analysis="static")
         stage = json.loads((ROOT / "prm" / case.scene).read_text(encoding="utf-8"))["analysis"][0]
-        self.assertEqual(value_of(case, "analysis.0.load steps"), stage["load steps"])
-        for key in ("element size", "region", "element size in region"):
-            self.assertEqual(value_of(case, f"analysis.0.adaptivity.{key}"), stage["adaptivity"][key])
+        box, = value_of(case, "analysis.0")["adaptivity"]["boxes"]
+        scene_box, = stage["adaptivity"]["boxes"]
+        for key in ("min", "max"):
+            np.testing.assert_allclose(box[key], scene_box[key])
+        self.assertEqual(box["element size"], scene_box["element size"])
+        rest = [{**each, "adaptivity": {**each["adaptivity"], "boxes": []}} for each in (stage, value_of(case, "analysis.0"))]
+        self.assertEqual(*rest)
         motion = stage["rigid body boundary conditions"][0]["boundary conditions"][0]["prescribed"]
         self.assertEqual(motion * stage["load steps"], case.distance)
 
@@ -66,10 +76,10 @@ class Cases(unittest.TestCase):
         stage = scene["analysis"][0]
         coarse = Case().with_cells(0.01)
         for key in ("basis step", "final time", "mass scaling", "adaptivity.element size", "adaptivity.region"):
-            expected = stage
+            expected, found = stage, value_of(coarse, "analysis.0")
             for name in key.split("."):
-                expected = expected[name]
-            self.assertAlmostEqual(expected, value_of(coarse, f"analysis.0.{key}"))
+                expected, found = expected[name], found[name]
+            self.assertAlmostEqual(expected, found)
         self.assertEqual(scene["rigid bodies"][0]["points"][0]["position"],
                          value_of(Case(), "rigid bodies.0.points.0.position"))
 

@@ -168,8 +168,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return TrialStep{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
     };
     const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
-    // once in a while: several in a row crawl from kink to kink
-    const bool shortens = without_progress % (patience + 1) == patience;
+    // a few at a time: many in a row crawl from kink to kink
+    const bool shortens = without_progress / patience % 2 == 1;
     TrialStep step = at(1.);
     if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
       step = shortens    ? shorten_step(at, step, measure)
