@@ -14,7 +14,7 @@ def is_finished(folder):
 
 
 def keep_run(program, scene, folder, settings, ranks=1, may_fail=False):
-    """Runs a scene of prm/ on one core per rank, from its restart file where there is one, unless it is finished.
+    """Runs a scene, a name in prm/ or a whole path, on one core per rank, from its restart file where there is one, unless it is finished.
     Raises CalledProcessError where the program fails and may not."""
     if is_finished(folder):
         return

@@ -68,6 +68,7 @@ void check_region(const Adaptivity& adaptivity, const Place& place)
                   shown(adaptivity.element_size_in_region),
               "refine the surface at least as much as the region around it");
 }
+
 /// In 2-D the third entries are 0 on both sides.
 void check_box(const RefinedBox& box, const Place& place)
 {

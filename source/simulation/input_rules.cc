@@ -61,19 +61,18 @@ void check_soil(const Input& input, const Place& root)
 void check_sizes(const Stage& stage, const Input& input, const Place& place)
 {
   const double base = input.material_points.element_size;
-  const Place adaptivity = place.key("adaptivity");
-  for (const auto& [name, size] : {std::make_pair("element size", stage.adaptivity.element_size),
-                                   std::make_pair("element size in region", stage.adaptivity.element_size_in_region)})
+  const auto require_at_most_base = [base](const double size, const Place& key)
+  {
     if (size > base)
-      adaptivity.key(name).fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
-                                "refinement cannot coarsen: lower it");
-  for (std::size_t i = 0; i < stage.adaptivity.boxes.size(); ++i)
-    if (const double size = stage.adaptivity.boxes[i].element_size; size > base)
-      adaptivity.key("boxes")
-          .entry(i)
-          .key("element size")
-          .fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
-                "refinement cannot coarsen: lower it");
+      key.fail("expected at most the base cell size, " + shown(base) + " m, found " + shown(size),
+               "refinement cannot coarsen: lower it");
+  };
+  const Adaptivity& adaptivity = stage.adaptivity;
+  const Place keys = place.key("adaptivity");
+  require_at_most_base(adaptivity.element_size, keys.key("element size"));
+  require_at_most_base(adaptivity.element_size_in_region, keys.key("element size in region"));
+  for (std::size_t i = 0; i < adaptivity.boxes.size(); ++i)
+    require_at_most_base(adaptivity.boxes[i].element_size, keys.key("boxes").entry(i).key("element size"));
 }
 
 /// Surfaces are what is placed, followed by the window and refined around.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <kedge/solvers/newton.h>
 
 namespace kedge
@@ -135,7 +134,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     }
     if (without_progress == stagnation)
     {
-      report.failure = fmt::format("no progress in {} iterations", stagnation);
+      report.failure = "no progress in " + std::to_string(stagnation) + " iterations";
       return report;
     }
     if (measure > hopeless * std::max(1., report.residuals.front()))

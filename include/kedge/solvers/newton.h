@@ -41,6 +41,7 @@ struct NewtonProblem
 /// (SIAM J. Sci. Comput. 17(1), choice 2). A full step that lowers the residual norm is taken; otherwise alpha is
 /// sought where the work of the residual along the step has all but vanished (Matthies & Strang 1979), and the next
 /// tangents are damped in the manner of Levenberg (1944, Quart. Appl. Math. 2) and Marquardt (1963, J. SIAM 11), ever
-/// less while full steps succeed. A problem that Newton's method alone converges on never sees damping.
+/// less while full steps succeed. A system that the linear solver cannot solve is damped too. A problem that Newton's
+/// method converges on in full steps never sees damping.
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters);
 } // namespace kedge
