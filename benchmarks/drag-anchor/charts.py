@@ -8,28 +8,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 from kedge_plot.figures import draw_section
 from kedge_plot.section import cut
+from trajectory import COLUMNS, Trajectory
 
 SECTION_AT = 0.55  # m, through the middle of a fluke
 
 
 def write_table(trajectories, path):
-    """One line per run: the end of the drag and what it cost."""
-    rows = []
-    for mesh, anchor in trajectories.items():
-        summary = anchor.run.summary()
-        stages = summary.get("stages", [])
-        drag = stages[-1] if len(stages) == 3 else {}
-        rows.append({"mesh": mesh, "dragged / m": f"{anchor.distance[-1]:.2f}", "finished": anchor.finished,
-                     "depth of the fluke's centre / m": f"{anchor.centre_depth[-1]:.3f}",
-                     "depth of the tips / m": f"{anchor.tip_depth[-1]:.3f}",
-                     "line force / kN": f"{1e-3 * anchor.mean_force()[-1]:.1f}",
-                     "fluke angle / deg": f"{anchor.fluke_angle[-1]:.1f}",
-                     "shank angle / deg": f"{anchor.shank_angle[-1]:.1f}", "steps": drag.get("steps", ""),
-                     "cuts": drag.get("cuts", ""), "newton iterations": drag.get("newton iterations", ""),
-                     "material points": drag.get("material points", ""), "dofs": drag.get("dofs", ""),
-                     "ranks": summary.get("ranks", ""),
-                     "time / s": f"{summary.get('wall time', {}).get('total', np.nan):.0f}",
-                     "time outside Newton / %": f"{100. * anchor.run.share_outside_newton():.0f}"})
+    """One line per run."""
+    rows = [{"mesh": mesh, **anchor.record} for mesh, anchor in trajectories.items()]
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
@@ -40,12 +26,11 @@ def write_curves(trajectories, path, every=0.02):
     """The trajectories every `every` m."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["mesh", "drag / m", "depth of the fluke's centre / m", "depth of the tips / m", "line force / N",
-                         "fluke angle / deg", "shank angle / deg"])
+        writer.writerow(["mesh", *COLUMNS])
+        curves = [name for name in COLUMNS.values() if name != "distance"]
         for mesh, anchor in trajectories.items():
-            for distance in np.arange(every, anchor.distance[-1], every):
-                values = (anchor.centre_depth, anchor.tip_depth, anchor.line_force, anchor.fluke_angle, anchor.shank_angle)
-                writer.writerow([mesh, f"{distance:.3f}", *(f"{anchor.at(v, distance):.5g}" for v in values)])
+            for distance in np.arange(every, anchor.distance[-1] + 0.01 * every, every):
+                writer.writerow([mesh, f"{distance:.3f}", *(f"{anchor.at(getattr(anchor, name), distance):.5g}" for name in curves)])
 
 
 def draw_trajectories(trajectories, path):
@@ -71,8 +56,12 @@ def draw_trajectories(trajectories, path):
 
 
 def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
-    """Soil, fluke and cells of the run that came farthest, at the outputs nearest to these drag distances."""
-    mesh, anchor = max(trajectories.items(), key=lambda item: item[1].distance[-1])
+    """Soil, fluke and cells of the run that came farthest, of those with finer cells where two did, at the outputs nearest to these
+    drag distances. Nothing where only tables are left of the runs."""
+    lying = {mesh: anchor for mesh, anchor in trajectories.items() if isinstance(anchor, Trajectory)}
+    if not lying:
+        return
+    mesh, anchor = max(reversed(lying.items()), key=lambda item: round(item[1].distance[-1], 1))
     written = [step for step in anchor.run.steps() if step >= anchor.steps[0] - 1]
     at = np.interp(written, anchor.steps, anchor.distance)
     for distance in distances:

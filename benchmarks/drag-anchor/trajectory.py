@@ -1,4 +1,6 @@
 """The anchor of one run: where it is and what pulls, over the drag distance."""
+import csv
+
 import numpy as np
 
 from kedge_plot.run import Run
@@ -9,9 +11,45 @@ PALMS = 0.4795  # of the fluke below its axis, m: what rests on the soil as the 
 TIP, PIVOT, FLUKE_CENTRE, SHANK_CENTRE = 1.7, 0.489, 0.62, 1.7592  # along x where the parts were drawn, m
 
 
-class Trajectory:
-    """Arrays over the steps of the drag; lengths in m, forces in N of the whole anchor, angles in degrees, tips and eye
-    upwards positive."""
+class Curves:
+    """Arrays over the drag: `distance`, `centre_depth`, `tip_depth`, `line_force`, `fluke_angle` and `shank_angle`; lengths in m,
+    forces in N of the whole anchor, angles in degrees, tips and eye upwards positive."""
+
+    def mean_force(self, width=0.2):
+        """The line force averaged over `width` m of drag: the line's own swings drop out."""
+        return np.array([self.line_force[abs(self.distance - d) <= width / 2.].mean() for d in self.distance])
+
+    def at(self, values, distance):
+        """The value at a drag distance; not a number beyond the end of the run."""
+        return np.interp(distance, self.distance, values, right=np.nan)
+
+
+COLUMNS = {"drag / m": "distance", "depth of the fluke's centre / m": "centre_depth", "depth of the tips / m": "tip_depth",
+           "line force / N": "line_force", "fluke angle / deg": "fluke_angle", "shank angle / deg": "shank_angle"}
+
+
+class KeptTrajectory(Curves):
+    """What the tables of an earlier run hold: `rows` of its curves, and its `record` in the table of runs."""
+
+    def __init__(self, rows, record):
+        self.record = record
+        for column, name in COLUMNS.items():
+            setattr(self, name, np.array([float(row[column]) for row in rows]))
+
+
+def read_kept(curves, table):
+    """The trajectories that two CSV files of an earlier run hold, by mesh; none where the files are missing."""
+    if not curves.is_file() or not table.is_file():
+        return {}
+    with open(curves, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    with open(table, newline="", encoding="utf-8") as file:
+        return {record["mesh"]: KeptTrajectory([row for row in rows if row["mesh"] == record["mesh"]], record)
+                for record in csv.DictReader(file)}
+
+
+class Trajectory(Curves):
+    """The drag of a run that lies in a folder."""
 
     def __init__(self, folder):
         self.run = Run(folder)
@@ -38,10 +76,20 @@ class Trajectory:
                              column[f"body{body}_position_z"] - (PIVOT - centre) * np.sin(angle)])
         return np.linalg.norm(pivot(1, FLUKE_CENTRE) - pivot(2, SHANK_CENTRE), axis=0)
 
-    def mean_force(self, width=0.2):
-        """The line force averaged over `width` m of drag: the line's own swings drop out."""
-        return np.array([self.line_force[abs(self.distance - d) <= width / 2.].mean() for d in self.distance])
-
-    def at(self, values, distance):
-        """The value at a drag distance; not a number beyond the end of the run."""
-        return np.interp(distance, self.distance, values, right=np.nan)
+    @property
+    def record(self):
+        """Of the table of runs, but for the mesh: the end of the drag and what it cost."""
+        summary = self.run.summary()
+        stages = summary.get("stages", [])
+        drag = stages[-1] if len(stages) == 3 else {}
+        return {"dragged / m": f"{self.distance[-1]:.2f}", "finished": self.finished,
+                "depth of the fluke's centre / m": f"{self.centre_depth[-1]:.3f}",
+                "depth of the tips / m": f"{self.tip_depth[-1]:.3f}",
+                "line force / kN": f"{1e-3 * self.mean_force()[-1]:.1f}",
+                "fluke angle / deg": f"{self.fluke_angle[-1]:.1f}",
+                "shank angle / deg": f"{self.shank_angle[-1]:.1f}", "steps": drag.get("steps", ""),
+                "cuts": drag.get("cuts", ""), "newton iterations": drag.get("newton iterations", ""),
+                "material points": drag.get("material points", ""), "dofs": drag.get("dofs", ""),
+                "ranks": summary.get("ranks", ""),
+                "time / s": f"{summary.get('wall time', {}).get('total', np.nan):.0f}",
+                "time outside Newton / %": f"{100. * self.run.share_outside_newton():.0f}"}

@@ -7,7 +7,7 @@ import pathlib
 import numpy as np
 
 WIDTH = 0.1  # m, B of all plates
-STATIC_STEP, DYNAMIC_STEP = 0.0005, 0.0001  # m
+STATIC_STEP, DYNAMIC_STEP = 0.00025, 0.0001  # m
 STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two bases
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
 PRM = pathlib.Path(__file__).resolve().parents[2] / "prm"

@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 import records  # noqa: E402
-from cases import WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
+from cases import STATIC_STEP, WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
 from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola  # noqa: E402
 from records import MOVED, mean_between  # noqa: E402
@@ -183,10 +183,10 @@ def _per_overburden(result):
 
 _TEXTS = {
     "shapes": _shapes,
-    "static": _variation("Static equilibrium", "shape, analysis",
-                         lambda case: f"{case.shape}, {case.analysis}",
-                         "Implicit static steps of 0.5 mm, residuals of 0.1 % of the soil's nodal weights, cells of 10 mm up to 40 mm from "
-                         "the plate's whole way from the start, beside explicit dynamics with scaled mass and cells of 10 mm up to 40 mm from "
+    "static": _variation("Static equilibrium", "shape, analysis, cells at the plate and around it / mm",
+                         lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}",
+                         f"Implicit static steps of {1e3 * STATIC_STEP:g} mm, residuals of 0.1 % of the soil's nodal weights, finer cells up to 40 mm from "
+                         "the plate's whole way from the start, beside explicit dynamics with scaled mass and finer cells up to 40 mm from "
                          "where the plate is.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
     "resolution": _variation("Resolution", "shape, cells at the plate, around it, beyond / mm",
                              lambda case: f"{case.shape}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "

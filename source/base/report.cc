@@ -37,8 +37,7 @@ std::string format_progress(const Progress& state)
              : fmt::format("{} NR {} {} Krylov {}", start, state.iterations, end, state.krylov_iterations);
 }
 
-Report::Report(const bool speak_, const bool quiet_)
-    : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO)), stage_start(std::chrono::steady_clock::now())
+Report::Report(const bool speak_, const bool quiet_) : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO))
 {
 }
 
@@ -62,21 +61,22 @@ void Report::warn(const std::string& text)
 
 void Report::progress(const Progress& state)
 {
-  if (state.stage != last_stage)
+  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
+  if (state.stage != last_stage) // after its first step, or the first one after a restart
   {
     last_stage = state.stage;
     last_percent = -1;
-    stage_start = std::chrono::steady_clock::now();
+    first_seen = std::chrono::steady_clock::now();
+    first_fraction = fraction;
   }
-  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
   const int percent = static_cast<int>(100. * fraction + 1e-6);
   if (!speak || quiet || (!on_terminal && percent == last_percent))
     return;
   last_percent = percent;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - stage_start).count();
-  const double left = fraction > 0. ? elapsed * (1. - fraction) / fraction : 0.;
-  fmt::print("{}{} left {}{}", on_terminal ? "\r" : "", format_progress(state), format_duration(left),
-             on_terminal ? "\x1b[K" : "\n");
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - first_seen).count();
+  const double since = fraction - first_fraction;
+  const std::string left = since > 0. ? " left " + format_duration(elapsed * (1. - fraction) / since) : "";
+  fmt::print("{}{}{}{}", on_terminal ? "\r" : "", format_progress(state), left, on_terminal ? "\x1b[K" : "\n");
   std::fflush(stdout);
   line_open = on_terminal;
 }

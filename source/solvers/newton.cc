@@ -12,7 +12,7 @@ constexpr unsigned int max_trials = 8;
 constexpr double slack = 0.7;           // share of the work along a step that may remain
 constexpr double growth_limit = 10.;    // of the residual in a step accepted for its work
 constexpr unsigned int patience = 3;    // iterations without progress that count as a cycle
-constexpr unsigned int stagnation = 24; // such iterations after which shorter load steps are cheaper than more of them
+constexpr unsigned int stagnation = 24; // such iterations, at least, before shorter load steps count as cheaper
 constexpr double progress = 0.9;        // the lowest residual falls at least by this factor, or nothing is gained
 constexpr double hopeless = 1e8;        // growth of the residual over its start that no further iteration repairs
 
@@ -120,6 +120,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   report.residuals.push_back(measure);
   double linear_tolerance = loosest, damping = 0., lowest = measure;
   unsigned int without_progress = 0;
+  const unsigned int give_up_after = std::max(stagnation, parameters.max_newton_iterations / 2);
   while (!(measure < parameters.tolerance))
   {
     if (!std::isfinite(measure))
@@ -132,9 +133,9 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       report.failure = "no convergence in " + std::to_string(report.iterations) + " iterations";
       return report;
     }
-    if (without_progress == stagnation)
+    if (without_progress == give_up_after)
     {
-      report.failure = "no progress in " + std::to_string(stagnation) + " iterations";
+      report.failure = "no progress in " + std::to_string(give_up_after) + " iterations";
       return report;
     }
     if (measure > hopeless * std::max(1., report.residuals.front()))

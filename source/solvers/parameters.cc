@@ -12,8 +12,9 @@ Section<SolverParameters> solver_section()
   section.required("tolerance", &P::tolerance, number("-", positive().below(1.)),
                    "Norm of the residual on the free degrees of freedom, over the weight of the soil (rigid degrees of "
                    "freedom: of the bodies), at which a step has converged");
-  section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
-                   "Newton iterations before a step is cut to half");
+  section.required(
+      "max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
+      "Newton iterations before a step is cut to half; sooner where half of them, but no fewer than 24, gain nothing");
   section.optional("max linear iterations", &P::max_linear_iterations, count(Bounds().at_least(1)),
                    "Krylov iterations per Newton iteration before the linear solver escalates");
   section.required("poor factor", &P::poor_factor, number("-", not_negative().at_most(1.)),

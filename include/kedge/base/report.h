@@ -42,7 +42,8 @@ private:
   bool line_open = false;
   int last_percent = -1;
   unsigned int last_stage = 0;
-  std::chrono::steady_clock::time_point stage_start;
+  std::chrono::steady_clock::time_point first_seen; ///< of the present stage
+  double first_fraction = 0.;                       ///< of the stage that was done then
   std::vector<std::string> given_warnings;
 };
 
