@@ -129,6 +129,12 @@ Border RigidUnknowns::border(const RigidBalance& balance, const ContactCoupling&
   return border;
 }
 
+void RigidUnknowns::hold(Border& border, const double stiffness, const double lever) const
+{
+  for (std::size_t i = 0; i < dofs.size(); ++i)
+    border.corner(i, i) += dofs[i].dof < 3 ? stiffness : stiffness * lever * lever;
+}
+
 double RigidUnknowns::measure(const Eigen::VectorXd& residual, const double weight, const double lever) const
 {
   double sum = 0.;

@@ -7,6 +7,8 @@ namespace kedge
 namespace
 {
 constexpr unsigned int max_augmentations = 20;
+/// Weights of the bodies per particle size: springs that hold free bodies under the full damping of Newton's method.
+constexpr double holding_springs = 100.;
 
 /// One solution after another of the same step.
 void append(NewtonReport& report, const NewtonReport& next)
@@ -225,8 +227,14 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
   const auto scope = scene.timings.measure("linear solver");
   Border border;
   if (!rigid_unknowns->empty())
+  {
     border = rigid_unknowns->border(balance, scene.contact.coupling(scene.bodies, body_increments),
                                     scene.contact.points_of_last_evaluation(), body_increments, *system);
+    // a body that touches nothing yet sinks in small steps until the soil holds it
+    const double particle = scene.mesh.layout().finest_size / scene.input.material_points.points_per_axis;
+    if (how.damping > 0. && !load.newmark.is_dynamic())
+      rigid_unknowns->hold(border, how.damping * holding_springs * body_weight / particle, body_lever);
+  }
   Eigen::VectorXd dy;
   const LinearReport report = linear_solver.solve(*rigid_unknowns->nodal(r), rigid_unknowns->rigid(r), border,
                                                   *rigid_unknowns->nodal(dx), dy, how.tolerance);

@@ -21,6 +21,8 @@ constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 constexpr double almost_zero =
     1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
+/// Pivots below this share of the largest count as zero: a joint of 1e10 N/m beside a body of 1e4 N leaves 1e-9.
+constexpr double singular_pivot = 1e-13;
 constexpr unsigned int worth_a_rebuild = 8; // iterations that cost about as much as a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
@@ -72,6 +74,28 @@ private:
   TpetraVector inverse;
 };
 
+/// Factors of a small dense matrix with the units of its rows and columns scaled away.
+class ScaledFactors
+{
+public:
+  explicit ScaledFactors(const Eigen::MatrixXd& matrix) : scaling(matrix.cwiseAbs().rowwise().maxCoeff())
+  {
+    for (double& entry : scaling)
+      entry = entry > 0. ? 1. / std::sqrt(entry) : 1.;
+    factors.setThreshold(singular_pivot);
+    factors.compute(scaling.asDiagonal() * matrix * scaling.asDiagonal());
+  }
+  bool is_regular() const { return factors.isInvertible(); }
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const
+  {
+    return scaling.cwiseProduct(factors.solve(scaling.cwiseProduct(b)));
+  }
+
+private:
+  Eigen::VectorXd scaling;
+  Eigen::FullPivLU<Eigen::MatrixXd> factors;
+};
+
 /// B^T x, the same on all ranks.
 Eigen::VectorXd multiply_rows(const Border& border, const MultiVector& x)
 {
@@ -92,8 +116,7 @@ void add_columns(const Border& border, const double factor, const Eigen::VectorX
 class Eliminated : public Operator
 {
 public:
-  Eliminated(const Teuchos::RCP<const Operator>& matrix_, const Border& border_,
-             const Eigen::PartialPivLU<Eigen::MatrixXd>& corner_)
+  Eliminated(const Teuchos::RCP<const Operator>& matrix_, const Border& border_, const ScaledFactors& corner_)
       : matrix(matrix_), border(border_), corner(corner_)
   {
   }
@@ -108,7 +131,7 @@ public:
 private:
   Teuchos::RCP<const Operator> matrix;
   const Border& border;
-  const Eigen::PartialPivLU<Eigen::MatrixXd>& corner;
+  const ScaledFactors& corner;
 };
 } // namespace
 
@@ -183,10 +206,14 @@ struct LinearSolver::Implementation
     Eigen::MatrixXd reduced = border.corner;
     for (std::size_t i = 0; i < n; ++i)
       reduced.col(i) -= multiply_rows(border, *solutions.getVector(i + 1));
-    y = reduced.partialPivLu().solve(c - multiply_rows(border, x));
+    const ScaledFactors factors(reduced);
+    report.converged = factors.is_regular();
+    y = Eigen::VectorXd::Zero(n);
+    if (!report.converged)
+      return report;
+    y = factors.solve(c - multiply_rows(border, x));
     for (std::size_t i = 0; i < n; ++i)
       x.update(-y[i], *solutions.getVector(i + 1), 1.);
-    report.converged = y.allFinite();
     return report;
   }
 
@@ -292,7 +319,10 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
     report = solver.solve_iteratively(right_side, x, relative_tolerance);
   else
   {
-    const Eigen::PartialPivLU<Eigen::MatrixXd> corner(border.corner);
+    const ScaledFactors corner(border.corner);
+    y = Eigen::VectorXd::Zero(border_right_side.size());
+    if (!corner.is_regular()) // a body that nothing holds
+      return report;
     TpetraVector reduced(right_side, Teuchos::Copy);
     add_columns(border, -1., corner.solve(border_right_side), reduced);
     solver.eliminated = Teuchos::rcp(new Eliminated(solver.matrix, border, corner));

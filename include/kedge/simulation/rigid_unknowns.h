@@ -40,6 +40,9 @@ public:
   Border border(const RigidBalance& balance, const ContactCoupling& coupling, const PointForces& points,
                 const std::vector<Vector6>& increments, const System& system) const;
 
+  /// Springs (N/m, about an axis times `lever` squared, m) against every increment of y, in the tangent alone.
+  void hold(Border& border, double stiffness, double lever) const;
+
 private:
   Teuchos::RCP<TpetraMultiVector> collect(const std::vector<NodalVector>& local, const System& system) const;
 

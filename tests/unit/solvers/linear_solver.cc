@@ -254,3 +254,24 @@ static void expect_bordered_solution(const unsigned int n, const LinearSolverCho
 
 TEST(LinearSolver, EliminatesABorderIteratively) { expect_bordered_solution(12, LinearSolverChoice::iterative); }
 TEST(LinearSolver, EliminatesABorderDirectly) { expect_bordered_solution(6, LinearSolverChoice::direct); }
+
+/// Two unknowns in the border that only their difference is known of, as of a hinged body that touches no soil.
+TEST(LinearSolver, ReportsABorderThatNothingHolds)
+{
+  for (const LinearSolverChoice choice : {LinearSolverChoice::iterative, LinearSolverChoice::direct})
+  {
+    const Cube cube(4);
+    SolverParameters parameters;
+    parameters.linear_solver = choice;
+    LinearSolver solver(parameters, 3);
+    solver.set_structure(cube.matrix, cube.modes());
+    const auto uncoupled = [&] { return Teuchos::rcp(new TpetraMultiVector(cube.map, 2)); };
+    Border border{uncoupled(), uncoupled(), Eigen::Matrix2d()};
+    border.corner << 1e9, -1e9, -1e9, 1e9;
+    Eigen::VectorXd y;
+    EXPECT_FALSE(solver.solve(*cube.right_side, Eigen::Vector2d(1., 2.), border, *cube.solution, y, 1e-8).converged);
+    border.corner(0, 0) += 1.; // a spring of a billionth
+    EXPECT_TRUE(solver.solve(*cube.right_side, Eigen::Vector2d(1., 2.), border, *cube.solution, y, 1e-8).converged);
+    EXPECT_NEAR(y[0], 3., 1e-5);
+  }
+}
