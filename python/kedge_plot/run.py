@@ -29,10 +29,10 @@ class Run:
             raise PlotError(f"{path}: cannot be read ({error})") from error
 
     def share_outside_newton(self):
-        """Share of the wall time that went into anything but residuals, tangents and linear systems; not a number where
-        the run has not said yet."""
+        """Share of the wall time that went into anything but residuals, tangents and linear systems, or explicit time steps; not a
+        number where the run has not said yet."""
         time = self.summary().get("wall time", {})
-        inside = sum(time.get("phases", {}).get(name, 0.) for name in ("residual", "tangent", "linear solver"))
+        inside = sum(time.get("phases", {}).get(name, 0.) for name in ("residual", "tangent", "linear solver", "time steps"))
         return (sum(time.get("phases", {}).values()) - inside) / time.get("total", np.nan)
 
     def start_of(self, body):
