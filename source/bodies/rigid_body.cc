@@ -92,6 +92,13 @@ Pose Pose::moved(const Vector6& increment) const
   return {position + increment.head<3>(), (rotation_from_vector(increment.tail<3>()) * rotation).normalized()};
 }
 
+Vector6 increment_between(const Pose& start, const Pose& end)
+{
+  Vector6 increment;
+  increment << end.position - start.position, vector_from_rotation(end.rotation * start.rotation.conjugate());
+  return increment;
+}
+
 Eigen::Matrix<double, 3, 6> motion_tangent(const Pose& start, const Vector6& increment, const Eigen::Vector3d& X)
 {
   const Eigen::Vector3d arm = start.moved(increment).direction_to_world(X);

@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <kedge/bodies/rigid_motion.h>
 
 namespace kedge
@@ -34,6 +35,27 @@ Vector6 momentum(const RigidPoint& point)
   Vector6 p;
   p << point.mass * point.velocity.head<3>(), point.world_inertia() * point.velocity.tail<3>();
   return p;
+}
+
+void apply_impulse(RigidPoint& point, const Vector6& impulse)
+{
+  const Vector6 rate = momentum_rate(point);
+  Matrix3d inertia = point.world_inertia();
+  Vector3d moment = impulse.tail<3>();
+  for (unsigned int axis = 0; axis < 3; ++axis)
+  {
+    if (point.is_free(axis))
+      point.velocity[axis] += impulse[axis] / point.mass;
+    if (point.is_free(3 + axis))
+      continue;
+    moment[axis] = 0.;
+    inertia.row(axis).setZero();
+    inertia.col(axis).setZero();
+    inertia(axis, axis) = 1.;
+  }
+  point.velocity.tail<3>() += inertia.partialPivLu().solve(moment);
+  point.acceleration.tail<3>() =
+      angular_acceleration(point, point.pose, point.velocity.tail<3>(), momentum(point).tail<3>(), rate.tail<3>());
 }
 
 std::vector<Vector6> start_increments(const RigidSystems& systems, const RigidStep& step)

@@ -260,6 +260,34 @@ template <int dim> std::vector<double> Contact<dim>::point_stiffness() const
   return result;
 }
 
+template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystems& bodies) const
+{
+  // stiffness, N/m, and stiffness times the square of the arm, N m, of all springs to a point
+  std::vector<Eigen::Vector2d> springs(bodies.points.size(), Eigen::Vector2d::Zero());
+  for (const Pair& pair : pairs)
+  {
+    const unsigned int point = bodies.surfaces[pair.key.surface].point;
+    const double stiffness = std::max(pair.stiffness.normal, pair.stiffness.tangential);
+    springs[point] += stiffness * Eigen::Vector2d(1., (pair.start - bodies.points[point].pose.position).squaredNorm());
+  }
+  if (!springs.empty())
+    MPI_Allreduce(MPI_IN_PLACE, springs.data(), 2 * springs.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  double largest = 0.;
+  for (std::size_t i = 0; i < springs.size(); ++i)
+  {
+    const RigidPoint& point = bodies.points[i];
+    double sum = point.is_free(0) || point.is_free(1) || point.is_free(2) ? springs[i][0] / point.mass : 0.;
+    const bool turns_about_all = point.is_free(3) && point.is_free(4) && point.is_free(5);
+    double least = turns_about_all ? point.inertia.minCoeff() : std::numeric_limits<double>::infinity();
+    for (unsigned int axis = 0; axis < 3; ++axis)
+      if (point.is_free(3 + axis))
+        least = std::min(least, point.world_inertia()(axis, axis));
+    sum += springs[i][1] / least;
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
 template <int dim>
 BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const
 {

@@ -25,7 +25,11 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
       node_exchange(1, numbering_of(basis.nodes))
 {
   if (scene.stage.rigid_bodies)
-    find_contact_pairs(scene, basis.nodes, rigid_step());
+  {
+    RigidStep whole = rigid_step();
+    whole.dt = step_length(scene.stage.stepping);
+    find_contact_pairs(scene, basis.nodes, whole);
+  }
 
   const auto scope = scene.timings.measure("lumped mass");
   const ParticleArrays& particles = scene.particles.arrays();
@@ -58,7 +62,7 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
 
 /// The contact springs at a node share its mass in proportion to their stiffness there: the squared frequency of a
 /// spring of stiffness k and weights w_v alone is then the sum over its nodes of w_v R_v, R_v being the sum over all
-/// springs of k w_v / m_v.
+/// springs of k w_v / m_v. A body that is free adds no more than the sum of its springs' stiffness over its inertia.
 template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
 {
   if (!scene.stage.rigid_bodies)
@@ -83,13 +87,19 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
         sum += points.weights[v] * host(points.nodes[v]) / node_mass(points.nodes[v]);
     largest = std::max(largest, sum);
   }
-  return max_over_ranks(largest, basis.nodes.communicator);
+  return max_over_ranks(largest, basis.nodes.communicator) + scene.contact.largest_body_frequency(scene.bodies);
 }
 
+template <int dim> Eigen::Vector3d ExplicitStep<dim>::gravity() const
+{
+  return load.gravity_factor * to_world_axes(scene.input.gravity, dim);
+}
+
+/// Without a dt: reactions are those of dofs that need no inertia.
 template <int dim> RigidStep ExplicitStep<dim>::rigid_step() const
 {
-  RigidStep step; // without a dt: what is prescribed needs no inertia
-  step.gravity = load.gravity_factor * to_world_axes(scene.input.gravity, dim);
+  RigidStep step;
+  step.gravity = gravity();
   step.fraction = load.step_fraction;
   return step;
 }
@@ -107,15 +117,19 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, 
   NewtonReport report;
   const double dt = duration / n_time_steps;
   impulse.assign(scene.bodies.points.size(), Vector6::Zero());
-  bool admissible = follow_forces(0.);
+  bool admissible = follow_forces();
   kick(0.5 * dt);
-  for (unsigned int k = 1; k <= n_time_steps && admissible; ++k)
+  for (unsigned int k = 1; k <= n_time_steps && admissible && report.failure.empty(); ++k)
   {
     drift(dt);
-    admissible = follow_forces(double(k) / n_time_steps);
+    if (motion)
+      report.failure = motion->drift(load.step_fraction / n_time_steps, dt);
+    admissible = follow_forces();
     kick(k == n_time_steps ? 0.5 * dt : dt);
     ++report.iterations;
   }
+  if (!report.failure.empty())
+    return report;
   if (!admissible)
     report.failure = "a material point turned inside out";
   else if (const double way = largest_way_in_cells(); way > most_cells_per_step)
@@ -141,20 +155,21 @@ template <int dim> void ExplicitStep<dim>::begin()
       KOKKOS_LAMBDA(const std::size_t i) { start(i) = scaling * start(i) / m(i); });
   Kokkos::deep_copy(velocity, start_velocity);
   path = begin_path(particles);
+  motion.reset();
+  if (scene.stage.rigid_bodies)
+    motion.emplace(scene.bodies, load.begins_stage);
 }
 
 /// Unbalanced forces and trial state at the present increment; false where that is not admissible.
-template <int dim> bool ExplicitStep<dim>::follow_forces(const double fraction)
+template <int dim> bool ExplicitStep<dim>::follow_forces()
 {
   const NodalVector internal = force, full_weight = weight;
   Kokkos::deep_copy(force, 0.);
   const unsigned long inverted = advance_stress_and_force<dim>(scene.particles.arrays(), basis.stencils,
                                                                scene.materials, increment, path, force, basis.cells);
-  if (scene.stage.rigid_bodies)
+  if (motion)
   {
-    body_increments = load.body_increments;
-    for (Vector6& body_increment : body_increments)
-      body_increment *= fraction;
+    body_increments = motion->increments();
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
     add_point_forces(dim, scene.contact.evaluate(scene.bodies, body_increments, host.data()), -1., force);
   }
@@ -178,11 +193,12 @@ template <int dim> void ExplicitStep<dim>::kick(const double time)
         const double opposed = v(i) == 0. ? 0. : std::copysign(damping * std::fabs(f(i)), v(i));
         v(i) += time / m(i) * (f(i) - opposed);
       });
-  if (!scene.stage.rigid_bodies)
+  if (!motion)
     return;
   const BodyLoads now = scene.contact.loads(scene.bodies, body_increments);
   for (std::size_t i = 0; i < now.size(); ++i)
     impulse[i] += time * now[i];
+  motion->kick(now, gravity(), time);
 }
 
 template <int dim> void ExplicitStep<dim>::drift(const double time)
@@ -225,6 +241,14 @@ template <int dim> std::vector<Vector6> ExplicitStep<dim>::reactions() const
   for (Vector6& body_load : mean)
     body_load /= load.step_fraction * step_length(scene.stage.stepping);
   return find_reactions(scene, rigid_step(), body_increments, mean);
+}
+
+template <int dim> void ExplicitStep<dim>::move_bodies(RigidSystems& committed) const
+{
+  if (motion)
+    motion->commit(committed, load.step_fraction);
+  else
+    commit_increments(committed, RigidStep(), body_increments);
 }
 
 template class ExplicitStep<2>;

@@ -109,6 +109,43 @@ void check_point_conditions(const Stage& stage, const Input& input, const Place&
       list.entry(i).fail("the conditions of this point are given twice in the stage", "keep one of the two");
   }
 }
+/// Conditions of a point in a stage: the stage's own, or else those of the point.
+const std::array<DofCondition, 6>& conditions_in(const Stage& stage, const Input& input, std::size_t system,
+                                                 std::size_t point)
+{
+  for (const PointConditionsOverride& entry : stage.point_conditions)
+    if (entry.system == system + 1 && entry.point == point + 1)
+      return entry.conditions;
+  return input.systems[system].points[point].conditions;
+}
+
+/// Forces alone move a free point of an explicit stage.
+void check_inertia(const Stage& stage, const Input& input, const Place& systems)
+{
+  const char* const axes[] = {"x", "y", "z"};
+  for (std::size_t i = 0; i < input.systems.size(); ++i)
+    for (std::size_t k = 0; k < input.systems[i].points.size(); ++k)
+    {
+      const PointParameters& point = input.systems[i].points[k];
+      const std::array<DofCondition, 6>& conditions = conditions_in(stage, input, i, k);
+      const Place place = systems.entry(i).key("points").entry(k);
+      const unsigned int dim = input.dimension, n_dofs = dim == 3 ? 6 : 3;
+      for (unsigned int dof = 0; dof < n_dofs; ++dof)
+      {
+        if (conditions[dof].kind != DofCondition::Kind::free)
+          continue;
+        const std::string remedy = "give it some, fix it in the stage, or make the stage \"dynamic\"";
+        if (dof < dim && !(point.mass > 0.))
+          place.key("mass").fail("a point that is free in an explicit stage has no mass", remedy);
+        const unsigned int axis = dof - dim;
+        if (dof >= dim && !(point.inertia[axis] > 0.))
+          place.key("rotational inertia")
+              .fail(std::string("a point that may turn about ") + (dim == 3 ? axes[axis] : "y") +
+                        " in an explicit stage has no inertia",
+                    remedy);
+      }
+    }
+}
 } // namespace
 
 void check_consistency(const Input& input, const Place& root)
@@ -128,15 +165,8 @@ void check_consistency(const Input& input, const Place& root)
           .fail("a body cannot be buried from the start and be placed on the surface",
                 "switch off one of \"wished in place\" and \"rigid body surface placement\"");
     check_point_conditions(stage, input, place.key("rigid body boundary conditions"));
+    if (stage.stepping.type == StageType::explicit_)
+      check_inertia(stage, input, root.key("rigid bodies"));
   }
-}
-
-const std::array<DofCondition, 6>& conditions_in(const Stage& stage, const Input& input, std::size_t system,
-                                                 std::size_t point)
-{
-  for (const PointConditionsOverride& entry : stage.point_conditions)
-    if (entry.system == system + 1 && entry.point == point + 1)
-      return entry.conditions;
-  return input.systems[system].points[point].conditions;
 }
 } // namespace kedge

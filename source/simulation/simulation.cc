@@ -367,7 +367,7 @@ template <int dim> void Simulation<dim>::commit_trial()
 {
   const ParticleIncrements increments = problem->particle_increments();
   reactions = problem->reactions();
-  commit_increments(bodies, stage->rigid_bodies ? problem->rigid_step() : RigidStep(), problem->rigid_increments());
+  problem->move_bodies(bodies);
 
   const auto scope = log.timings().measure("commit");
   if (stage->rigid_bodies)

@@ -242,6 +242,11 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
   return report;
 }
 
+template <int dim> void StepProblem<dim>::move_bodies(RigidSystems& committed) const
+{
+  commit_increments(committed, scene.stage.rigid_bodies ? rigid_step() : RigidStep(), body_increments);
+}
+
 template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
 {
   ParticleIncrements increments =

@@ -98,7 +98,7 @@ Section<SteppingParameters> stepping_section()
       .only_for("type", {"explicit"});
   section
       .optional("mass scaling", &P::mass_scaling, number("-", Bounds().at_least(1.)),
-                "Factor on the inertial mass, which lengthens the stable step by its square root")
+                "Factor on the inertial mass of the soil, which lengthens the stable step by its square root")
       .only_for("type", {"explicit"});
   section.check(check_step);
   return section;

@@ -47,6 +47,9 @@ struct Pose
   Pose moved(const Vector6& increment) const;
 };
 
+/// The increment that `start.moved()` needs to be at `end`; the shorter way round.
+Vector6 increment_between(const Pose& start, const Pose& end);
+
 /// Change of the world position of a body-frame point with the increment, d moved(increment).to_world(X) / d increment.
 Eigen::Matrix<double, 3, 6> motion_tangent(const Pose& start, const Vector6& increment, const Eigen::Vector3d& X);
 

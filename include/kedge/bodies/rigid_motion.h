@@ -26,6 +26,10 @@ struct RigidStep
 /// Momentum (kg m/s) and angular momentum about the point (kg m2/s), world axes.
 Vector6 momentum(const RigidPoint& point);
 
+/// Changes velocity and spin of the free dofs by an impulse (N s, N m s about the point, world axes) at once. The
+/// acceleration stays that of the forces which it stood for. Free dofs need inertia.
+void apply_impulse(RigidPoint& point, const Vector6& impulse);
+
 /// Increments of all points from which Newton's method starts: the prescribed motion, and rest of the free dofs. To
 /// extrapolate their motion would strain stiff joints by whatever their velocity swings about its mean, and takes more
 /// iterations.

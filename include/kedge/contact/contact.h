@@ -86,6 +86,10 @@ public:
   /// Stiffest spring of every contact point of this rank, touching or not, summed over its surfaces, N/m.
   std::vector<double> point_stiffness() const;
 
+  /// Bound on the squared frequency, 1/s2, of any body that is free on springs to all corners that could touch it, were
+  /// these held. Collective.
+  double largest_body_frequency(const RigidSystems& bodies) const;
+
   /// Loads of the last evaluation on the bodies. Collective.
   BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
 

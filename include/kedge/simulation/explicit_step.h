@@ -2,7 +2,9 @@
 #pragma once
 
 #include <kedge/assembly/explicit_force.h>
+#include <kedge/bodies/explicit_motion.h>
 #include <kedge/simulation/step_basis.h>
+#include <optional>
 
 namespace kedge
 {
@@ -11,7 +13,8 @@ namespace kedge
 /// ends: were the velocities half a step late, handing them to the particles and back would feed energy to short waves.
 /// The material points move, and the basis is set up anew, once it is over: total Lagrangian within the step, updated
 /// Lagrangian from step to step (de Vaucorbeil, Nguyen & Hutchinson 2020, doi 10.1016/j.cma.2019.112783, keep the first
-/// reference for good). Bodies move as prescribed.
+/// reference for good). Bodies move as prescribed, or by the loads of the soil and their weight (ExplicitMotion); the
+/// scaling of the soil's inertia leaves theirs alone.
 template <int dim> class ExplicitStep : public TrialStep<dim>
 {
 public:
@@ -23,10 +26,9 @@ public:
   Prediction predict_next() const override { return {}; }
 
   ParticleIncrements particle_increments() const override;
-  const std::vector<Vector6>& rigid_increments() const override { return body_increments; }
   /// Means over the step: their impulse over its duration.
   std::vector<Vector6> reactions() const override;
-  RigidStep rigid_step() const override;
+  void move_bodies(RigidSystems& committed) const override;
 
   long long n_dofs() const override { return dim * basis.nodes.n_global; }
   double basis_bytes() const override { return basis.bytes(); }
@@ -36,8 +38,10 @@ public:
 
 private:
   double contact_squared_frequency() const;
+  RigidStep rigid_step() const;
+  Eigen::Vector3d gravity() const;
   void begin();
-  bool follow_forces(double fraction);
+  bool follow_forces();
   void kick(double time);
   void drift(double time);
   double largest_way_in_cells() const;
@@ -53,6 +57,7 @@ private:
   StepLoad load;
   NodalVector start_velocity, velocity, increment, force; ///< m/s, m/s, m, N; all ranks' force
   ParticlePath path;
+  std::optional<ExplicitMotion> motion; ///< of the bodies, in stages that have them
   std::vector<Vector6> body_increments; ///< up to the last evaluation
   BodyLoads impulse;                    ///< of the soil on the bodies since the start of the step, N s
 };

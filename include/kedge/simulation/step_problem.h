@@ -23,14 +23,15 @@ public:
   ParticleIncrements particle_increments() const override;
   /// Of the solution: the loads of the soil on the bodies. Collective.
   BodyLoads body_loads() const { return scene.contact.loads(scene.bodies, body_increments); }
-  const std::vector<Vector6>& rigid_increments() const override { return body_increments; }
+  const std::vector<Vector6>& rigid_increments() const { return body_increments; }
   std::vector<Vector6> reactions() const override;
-  RigidStep rigid_step() const override;
+  void move_bodies(RigidSystems& committed) const override;
 
   long long n_dofs() const override { return dim * basis.nodes.n_global; }
   double basis_bytes() const override { return basis.bytes(); }
 
 private:
+  RigidStep rigid_step() const;
   NodePlaces find_node_places() const;
   void weigh_bodies();
   void find_first_acceleration();

@@ -51,11 +51,10 @@ public:
 
   /// Of the solution: displacement and dF of every particle. Collective.
   virtual ParticleIncrements particle_increments() const = 0;
-  /// Of the solution: how all rigid points move, and what their conditions exert on them. Collective.
-  virtual const std::vector<Vector6>& rigid_increments() const = 0;
+  /// Of the solution: what the conditions of all rigid points exert on them. Collective.
   virtual std::vector<Vector6> reactions() const = 0;
-  /// The step as the rigid points see it.
-  virtual RigidStep rigid_step() const = 0;
+  /// Takes the points that the step started from to its end.
+  virtual void move_bodies(RigidSystems& committed) const = 0;
 
   virtual long long n_dofs() const = 0;
   /// Bytes that the basis of this rank's particles takes.

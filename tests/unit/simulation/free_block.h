@@ -83,7 +83,7 @@ struct FreeBlock
   {
     particles.commit(problem.particle_increments(), DomainUpdate::none);
     particles.load();
-    commit_increments(bodies, problem.rigid_step(), problem.rigid_increments());
+    problem.move_bodies(bodies);
     contact.commit();
     load.starts_at_rest = load.begins_stage = false;
   }
