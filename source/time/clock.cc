@@ -14,15 +14,21 @@ Clock::Clock(const double n_steps, const double minimum_fraction)
 void Clock::resume(const ClockState& state)
 {
   position = state.position;
-  size = state.size;
+  size = state.size > 0 ? state.size : ticks_per_step; // the other clock was at its end
   n_cuts = state.cuts;
+  stop_at_requested_steps();
 }
 
 void Clock::advance()
 {
   position += size;
-  const std::int64_t to_next_requested = ticks_per_step - position % ticks_per_step;
-  size = std::min({2 * size, to_next_requested, end - position});
+  size *= 2;
+  stop_at_requested_steps();
+}
+
+void Clock::stop_at_requested_steps()
+{
+  size = std::min({size, ticks_per_step - position % ticks_per_step, end - position});
 }
 
 bool Clock::cut()

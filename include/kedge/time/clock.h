@@ -32,7 +32,7 @@ public:
   unsigned int cuts() const { return n_cuts; }
 
   ClockState state() const { return {position, size, n_cuts}; }
-  /// Goes on where another clock of the same stage was.
+  /// Goes on where another clock of the same stage was, or of one that ended earlier.
   void resume(const ClockState& state);
 
   void advance();
@@ -40,6 +40,8 @@ public:
   bool cut();
 
 private:
+  void stop_at_requested_steps();
+
   std::int64_t ticks_per_step, end, position = 0, size;
   unsigned int n_cuts = 0;
 };

@@ -111,3 +111,19 @@ TEST(Clock, ResumesWhereAnotherStopped)
   EXPECT_TRUE(resumed.at_end());
   EXPECT_EQ(resumed.cuts(), 2u);
 }
+
+TEST(Clock, GoesOnBeyondTheEndOfAShorterStage)
+{
+  Clock shorter(2.5, 1. / 4096.);
+  while (!shorter.at_end())
+    shorter.advance();
+  Clock longer(4, 1. / 4096.);
+  longer.resume(shorter.state());
+  EXPECT_EQ(longer.steps_done(), 2.5);
+  EXPECT_EQ(longer.step_fraction(), 0.5); // to the end of the requested step
+  longer.advance();
+  EXPECT_EQ(longer.steps_done(), 3.);
+  EXPECT_EQ(longer.step_fraction(), 1.);
+  longer.advance();
+  EXPECT_TRUE(longer.at_end());
+}
