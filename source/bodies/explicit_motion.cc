@@ -9,12 +9,8 @@ ExplicitMotion::ExplicitMotion(const RigidSystems& committed, const bool begins_
   moving.points = committed.points;
   moving.first_point = committed.first_point;
   moving.joints = committed.joints;
-  for (RigidPoint& point : moving.points)
-  {
+  for (const RigidPoint& point : moving.points)
     start.push_back(point.pose);
-    if (begins_stage && moving.joints.empty())
-      point.acceleration.setZero();
-  }
 }
 
 void ExplicitMotion::kick(const PointLoads& loads, const Eigen::Vector3d& gravity, const double time)
@@ -35,7 +31,7 @@ std::string ExplicitMotion::drift(const double fraction, const double time)
   RigidStep step;
   step.fraction = fraction;
   step.dt = time;
-  if (!knows_accelerations && !moving.joints.empty())
+  if (!knows_accelerations) // as RigidStep advises
   {
     step.beta = 0.5;
     step.gamma = 1.;

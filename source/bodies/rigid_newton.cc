@@ -1,34 +1,14 @@
-#include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <kedge/bodies/rigid_newton.h>
+#include <kedge/solvers/scaled_factors.h>
 
 namespace kedge
 {
 namespace
 {
-/// Pivots below this share of the largest count as zero: a penalty of 1e10 beside a weight of 10 leaves 1e-9.
-constexpr double singular_pivot = 1e-13;
-
-/// The tangent with the unit of its rows and columns scaled away, S A S, and its factors.
-struct ScaledTangent
-{
-  Eigen::VectorXd scaling;
-  Eigen::MatrixXd matrix;
-  Eigen::FullPivLU<Eigen::MatrixXd> factors;
-
-  explicit ScaledTangent(const Eigen::MatrixXd& tangent) : scaling(tangent.cwiseAbs().rowwise().maxCoeff())
-  {
-    for (double& entry : scaling)
-      entry = entry > 0. ? 1. / std::sqrt(entry) : 1.;
-    matrix = scaling.asDiagonal() * tangent * scaling.asDiagonal();
-    factors.setThreshold(singular_pivot);
-    factors.compute(matrix);
-  }
-};
-
 /// What each residual may be where Newton has converged. A term of round_off passes through a few operations.
 Eigen::VectorXd allowed_residual(const RigidBalance& balance, const double tolerance)
 {
@@ -48,13 +28,13 @@ struct Correction
 
 Correction correction(const RigidBalance& balance)
 {
-  const ScaledTangent scaled(balance.tangent);
-  const Eigen::VectorXd residual = scaled.scaling.cwiseProduct(balance.residual);
+  const ScaledFactors scaled(balance.tangent);
   // Elimination keeps bodies that do not touch apart to the last digit; the orthogonal factors do not.
-  if (scaled.factors.isInvertible())
-    return {scaled.scaling.cwiseProduct(scaled.factors.solve(residual)), Eigen::VectorXd::Zero(residual.size())};
+  if (scaled.is_regular())
+    return {scaled.solve(balance.residual), Eigen::VectorXd::Zero(balance.residual.size())};
+  const Eigen::VectorXd residual = scaled.scaling.cwiseProduct(balance.residual);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(singular_pivot);
+  factors.setThreshold(ScaledFactors::singular_pivot);
   factors.compute(scaled.matrix);
   const Eigen::VectorXd shortest = factors.solve(residual);
   return {scaled.scaling.cwiseProduct(shortest), (residual - scaled.matrix * shortest).cwiseQuotient(scaled.scaling)};
@@ -74,8 +54,8 @@ std::string unsupported_dof(const RigidSystems& systems, const RigidBalance& bal
 {
   if (balance.tangent.size() == 0)
     return "";
-  const ScaledTangent scaled(balance.tangent);
-  if (scaled.factors.isInvertible())
+  const ScaledFactors scaled(balance.tangent);
+  if (scaled.is_regular())
     return "";
   Eigen::Index largest;
   scaled.scaling.cwiseProduct(scaled.factors.kernel().col(0)).cwiseAbs().maxCoeff(&largest);

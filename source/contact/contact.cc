@@ -29,6 +29,8 @@ template <int dim> constexpr unsigned int world_axis(const unsigned int componen
   return dim == 2 && component == 1 ? 2 : component;
 }
 
+double stiffest(const ContactStiffness& stiffness) { return std::max(stiffness.normal, stiffness.tangential); }
+
 template <int dim>
 ContactStiffness make_stiffness(const ContactParameters& parameters, const double volume, const double young)
 {
@@ -256,7 +258,7 @@ template <int dim> std::vector<double> Contact<dim>::point_stiffness() const
 {
   std::vector<double> result(points.n_points(), 0.);
   for (const Pair& pair : pairs)
-    result[pair.point] += std::max(pair.stiffness.normal, pair.stiffness.tangential);
+    result[pair.point] += stiffest(pair.stiffness);
   return result;
 }
 
@@ -267,7 +269,7 @@ template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystem
   for (const Pair& pair : pairs)
   {
     const unsigned int point = bodies.surfaces[pair.key.surface].point;
-    const double stiffness = std::max(pair.stiffness.normal, pair.stiffness.tangential);
+    const double stiffness = stiffest(pair.stiffness);
     springs[point] += stiffness * Eigen::Vector2d(1., (pair.start - bodies.points[point].pose.position).squaredNorm());
   }
   if (!springs.empty())
@@ -279,9 +281,10 @@ template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystem
     double sum = point.is_free(0) || point.is_free(1) || point.is_free(2) ? springs[i][0] / point.mass : 0.;
     const bool turns_about_all = point.is_free(3) && point.is_free(4) && point.is_free(5);
     double least = turns_about_all ? point.inertia.minCoeff() : std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d about_axes = point.world_inertia().diagonal();
     for (unsigned int axis = 0; axis < 3; ++axis)
       if (point.is_free(3 + axis))
-        least = std::min(least, point.world_inertia()(axis, axis));
+        least = std::min(least, about_axes[axis]);
     sum += springs[i][1] / least;
     largest = std::max(largest, sum);
   }

@@ -109,6 +109,7 @@ void check_point_conditions(const Stage& stage, const Input& input, const Place&
       list.entry(i).fail("the conditions of this point are given twice in the stage", "keep one of the two");
   }
 }
+
 /// Conditions of a point in a stage: the stage's own, or else those of the point.
 const std::array<DofCondition, 6>& conditions_in(const Stage& stage, const Input& input, std::size_t system,
                                                  std::size_t point)
@@ -129,21 +130,17 @@ void check_inertia(const Stage& stage, const Input& input, const Place& systems)
       const PointParameters& point = input.systems[i].points[k];
       const std::array<DofCondition, 6>& conditions = conditions_in(stage, input, i, k);
       const Place place = systems.entry(i).key("points").entry(k);
-      const unsigned int dim = input.dimension, n_dofs = dim == 3 ? 6 : 3;
-      for (unsigned int dof = 0; dof < n_dofs; ++dof)
-      {
-        if (conditions[dof].kind != DofCondition::Kind::free)
-          continue;
-        const std::string remedy = "give it some, fix it in the stage, or make the stage \"dynamic\"";
-        if (dof < dim && !(point.mass > 0.))
+      const std::string remedy = "give it some, fix it in the stage, or make the stage \"dynamic\"";
+      const unsigned int dim = input.dimension, n_rotations = dim == 3 ? 3 : 1;
+      for (unsigned int axis = 0; axis < dim; ++axis)
+        if (conditions[axis].kind == DofCondition::Kind::free && !(point.mass > 0.))
           place.key("mass").fail("a point that is free in an explicit stage has no mass", remedy);
-        const unsigned int axis = dof - dim;
-        if (dof >= dim && !(point.inertia[axis] > 0.))
+      for (unsigned int axis = 0; axis < n_rotations; ++axis)
+        if (conditions[dim + axis].kind == DofCondition::Kind::free && !(point.inertia[axis] > 0.))
           place.key("rotational inertia")
               .fail(std::string("a point that may turn about ") + (dim == 3 ? axes[axis] : "y") +
                         " in an explicit stage has no inertia",
                     remedy);
-      }
     }
 }
 } // namespace

@@ -230,10 +230,11 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
   {
     border = rigid_unknowns->border(balance, scene.contact.coupling(scene.bodies, body_increments),
                                     scene.contact.points_of_last_evaluation(), body_increments, *system);
-    // a body that touches nothing yet sinks in small steps until the soil holds it
-    const double particle = scene.mesh.layout().finest_size / scene.input.material_points.points_per_axis;
-    if (how.damping > 0. && !load.newmark.is_dynamic())
+    if (how.damping > 0. && !load.newmark.is_dynamic()) // a body that touches nothing yet sinks until the soil holds it
+    {
+      const double particle = scene.mesh.layout().finest_size / scene.input.material_points.points_per_axis;
       rigid_unknowns->hold(border, how.damping * holding_springs * body_weight / particle, body_lever);
+    }
   }
   Eigen::VectorXd dy;
   const LinearReport report = linear_solver.solve(*rigid_unknowns->nodal(r), rigid_unknowns->rigid(r), border,

@@ -1,12 +1,12 @@
 #include <BelosBlockGmresSolMgr.hpp>
 #include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
-#include <Eigen/LU>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <kedge/solvers/direct.h>
 #include <kedge/solvers/linear_solver.h>
 #include <kedge/solvers/near_matrix.h>
+#include <kedge/solvers/scaled_factors.h>
 
 namespace kedge
 {
@@ -21,8 +21,6 @@ constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 constexpr double almost_zero =
     1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
-/// Pivots below this share of the largest count as zero: a joint of 1e10 N/m beside a body of 1e4 N leaves 1e-9.
-constexpr double singular_pivot = 1e-13;
 constexpr unsigned int worth_a_rebuild = 8; // iterations that cost about as much as a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
@@ -72,28 +70,6 @@ public:
 
 private:
   TpetraVector inverse;
-};
-
-/// Factors of a small dense matrix with the units of its rows and columns scaled away.
-class ScaledFactors
-{
-public:
-  explicit ScaledFactors(const Eigen::MatrixXd& matrix) : scaling(matrix.cwiseAbs().rowwise().maxCoeff())
-  {
-    for (double& entry : scaling)
-      entry = entry > 0. ? 1. / std::sqrt(entry) : 1.;
-    factors.setThreshold(singular_pivot);
-    factors.compute(scaling.asDiagonal() * matrix * scaling.asDiagonal());
-  }
-  bool is_regular() const { return factors.isInvertible(); }
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const
-  {
-    return scaling.cwiseProduct(factors.solve(scaling.cwiseProduct(b)));
-  }
-
-private:
-  Eigen::VectorXd scaling;
-  Eigen::FullPivLU<Eigen::MatrixXd> factors;
 };
 
 /// B^T x, the same on all ranks.

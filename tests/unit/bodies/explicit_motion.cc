@@ -40,6 +40,18 @@ TEST(ExplicitMotion, FallsAndSpinsExactly)
   EXPECT_NEAR(body.pose.rotation.angularDistance(rotation_from_vector({0., 0., 7. - 2. * M_PI})), 0., 1e-10);
 }
 
+/// Whatever its accelerations were before the stage.
+TEST(ExplicitMotion, ATumblingBodyKeepsItsAngularMomentumFromTheFirstStepOn)
+{
+  RigidSystems systems = chain({point_at({}, true, 5., {1., 2., 3.})}, {});
+  RigidPoint& body = systems.points[0];
+  body.velocity = increment(Vector3d::Zero(), {0.4, 6., 0.3});
+  body.acceleration = increment({1., 2., 3.}, {4., 5., 6.});
+  const Vector6 before = momentum(body);
+  step_explicitly(systems, 5, 0.02, Vector3d::Zero(), none, true);
+  EXPECT_NEAR((momentum(body) - before).norm(), 0., 1e-9);
+}
+
 TEST(ExplicitMotion, PrescribedPointsMoveEvenlyAndAreNotKicked)
 {
   RigidSystems systems = chain({point_at({}, false, 5.)}, {});
