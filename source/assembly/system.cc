@@ -107,6 +107,10 @@ void add_point_tangents(const PointForces& points, const double sign, const Node
   const auto row_begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), graph.row_begin);
   const auto column = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), graph.column);
   for (std::size_t i = 0; i < points.n_points(); ++i)
+  {
+    const double* tangent = &points.tangent[9 * i];
+    if (std::all_of(tangent, tangent + 9, [](const double entry) { return entry == 0.; })) // most of them touch nothing
+      continue;
     for (unsigned int a = points.begin[i]; a < points.begin[i + 1]; ++a)
     {
       const std::size_t begin = row_begin(points.nodes[a]), end = row_begin(points.nodes[a] + 1);
@@ -118,9 +122,10 @@ void add_point_tangents(const PointForces& points, const double sign, const Node
         const double factor = sign * points.weights[a] * points.weights[b];
         for (unsigned int c = 0; c < dim; ++c)
           for (unsigned int e = 0; e < dim; ++e)
-            row[dim * (c * (end - begin) + position) + e] += factor * points.tangent[9 * i + 3 * c + e];
+            row[dim * (c * (end - begin) + position) + e] += factor * tangent[3 * c + e];
       }
     }
+  }
   Kokkos::deep_copy(values, host);
 }
 } // namespace kedge

@@ -214,14 +214,33 @@ ClosestPoint Surface::closest_point(const Eigen::Vector3d& x) const
 
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance) const
 {
+  KnownDistance nothing;
+  return closest_point_within(x, distance, nothing);
+}
+
+std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance,
+                                                          KnownDistance& known) const
+{
+  // wider than round-off, and than what the height above a nearly flat edge is short of the distance to it
+  constexpr double margin = 1e-6;
   const double to_box = tree->nodes[0].squared_distance(x);
   if (to_box > distance * distance)
     return std::nullopt;
   // Inside the box a point may lie deep in the body, which only its sign tells.
-  const Nearest nearest = tree->nearest(x, to_box > 0. ? distance * distance : std::numeric_limits<double>::infinity());
+  double squared_limit = to_box > 0. ? distance * distance : std::numeric_limits<double>::infinity();
+  if (!std::isnan(known.signed_distance))
+  {
+    const double way = (x - known.at).norm();
+    if ((1. - margin) * (known.signed_distance - way) > distance)
+      return std::nullopt;
+    const double farthest = (1. + margin) * (std::abs(known.signed_distance) + way) + tree->tiny;
+    squared_limit = std::min(squared_limit, farthest * farthest);
+  }
+  const Nearest nearest = tree->nearest(x, squared_limit);
   if (nearest.facet == -1u)
     return std::nullopt;
   const ClosestPoint closest = tree->describe(x, nearest);
+  known = {x, std::copysign(std::sqrt(nearest.squared_distance), closest.gap)};
   return closest.gap <= distance ? std::optional<ClosestPoint>(closest) : std::nullopt;
 }
 

@@ -212,7 +212,7 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     pair.proposed.multiplier = 0.;
     pair.proposed.tangential.setZero();
     const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
-    const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), held_off);
+    const auto closest = welded.surface.closest_point_within(now.to_body(pair.position), held_off, pair.known);
     if (!closest)
       continue;
     pair.gap = closest->gap;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -86,6 +87,14 @@ struct ClosestPoint
   unsigned int triangle;   ///< one triangle that holds the point
 };
 
+/// What a query has found about one point, for the queries after it has moved a little: distances change by no more
+/// than the point's way.
+struct KnownDistance
+{
+  Eigen::Vector3d at;                                                ///< m
+  double signed_distance = std::numeric_limits<double>::quiet_NaN(); ///< m; not a number: nothing is known
+};
+
 /// A box of any orientation in the frame of a surface. A half-width may be zero, as across the plane of plane strain.
 struct OrientedBox
 {
@@ -113,6 +122,9 @@ public:
   /// The closest point where gap <= distance, else nothing. Every point inside the body is found, however deep; far
   /// points cost one comparison with the bounding box.
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance) const;
+  /// The same, to the last digit, sooner: starts from what the last query of this point has left in `known`.
+  std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance,
+                                                   KnownDistance& known) const;
   /// True only where gap > distance for certain, by the bounding box alone. False does not mean near.
   bool surely_farther_than(const Eigen::Vector3d& x, double distance) const;
   /// Whether the distance from the surface (not from what it encloses) to the closed box is at most `distance`, m;

@@ -157,6 +157,7 @@ private:
     History committed, trial;
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
+    KnownDistance known;         ///< in the body's frame
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point

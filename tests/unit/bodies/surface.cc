@@ -199,6 +199,31 @@ TEST(Surface, BoundedQueryAgreesWithTheFullOne)
   }
 }
 
+TEST(Surface, WhatIsKnownOfAPointThatMovesChangesNothing)
+{
+  // steps of all sizes, in and out of a body with faces, edges, corners and facets that are nearly flat
+  for (const TriangleMesh& mesh : {test::unit_box(), test::sphere(0.5, 3)})
+  {
+    const Surface surface(mesh);
+    RandomPoints random(-0.6, 0.6);
+    KnownDistance known;
+    Vector3d x = random();
+    for (int i = 0; i < 3000; ++i)
+    {
+      x = i % 10 == 0 ? random() : Vector3d(x + std::pow(10., -i % 7) * random());
+      const double distance = i % 3 == 0 ? 0.1 : 0.;
+      const auto afresh = surface.closest_point_within(x, distance);
+      const auto followed = surface.closest_point_within(x, distance, known);
+      ASSERT_EQ(afresh.has_value(), followed.has_value()) << x.transpose();
+      if (!afresh)
+        continue;
+      ASSERT_EQ(afresh->gap, followed->gap);
+      ASSERT_EQ(afresh->normal, followed->normal);
+      ASSERT_EQ(afresh->triangle, followed->triangle);
+    }
+  }
+}
+
 TEST(Surface, GapOfPointsThatAreNotFiniteIsNotANumber)
 {
   const Surface surface(test::unit_box());
