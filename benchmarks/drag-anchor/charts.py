@@ -55,6 +55,32 @@ def draw_trajectories(trajectories, path):
     plt.close(figure)
 
 
+def draw_costs(trajectories, uniform, path, steady=1.):
+    """Where the anchor is at the end and what its line carried on average from `steady` m on, over the core time of the run; only runs that
+    came to the end of the longest. `uniform`, if not None: core time that uniform cells would take, s, as a vertical line."""
+    end = max(anchor.distance[-1] for anchor in trajectories.values())
+    figure, panels = plt.subplots(1, 2, figsize=(9., 4.), sharex=True)
+    for number, (mesh, anchor) in enumerate(trajectories.items()):
+        if anchor.distance[-1] < 0.99 * end:
+            continue
+        cost = float(anchor.record["time / s"]) * int(anchor.record["ranks"])
+        force = 1e-3 * anchor.line_force[anchor.distance >= steady].mean()
+        for panel, value in zip(panels, (anchor.centre_depth[-1], force)):
+            panel.plot(cost, value, "o", color=f"C{number}", label=f"octree, {mesh}")
+    for panel, text in zip(panels, (f"depth of the fluke's centre after {end:.3g} m / m", f"mean line force from {steady:g} m on / kN")):
+        if uniform is not None:
+            panel.axvline(uniform, color="0.5", linestyle="--", label="uniform, 0.2 m (estimated)")
+        panel.set_xscale("log")
+        panel.set_ylim(0., 1.3 * panel.get_ylim()[1])
+        panel.set_xlabel("core time / s")
+        panel.set_ylabel(text)
+        panel.grid(which="both", linewidth=0.3)
+    panels[0].legend(fontsize=8, loc="lower right")
+    figure.tight_layout()
+    figure.savefig(path, dpi=100)
+    plt.close(figure)
+
+
 def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
     """Soil, fluke and cells of the run that came farthest, of those with finer cells where two did, at the outputs nearest to these
     drag distances. Nothing where only tables are left of the runs."""
