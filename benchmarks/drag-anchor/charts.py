@@ -30,7 +30,8 @@ def write_curves(trajectories, path, every=0.02):
         curves = [name for name in COLUMNS.values() if name != "distance"]
         for mesh, anchor in trajectories.items():
             for distance in np.arange(every, anchor.distance[-1] + 0.01 * every, every):
-                writer.writerow([mesh, f"{distance:.3f}", *(f"{anchor.at(getattr(anchor, name), distance):.5g}" for name in curves)])
+                inside = min(distance, anchor.distance[-1])  # the end but for round-off
+                writer.writerow([mesh, f"{distance:.3f}", *(f"{anchor.at(getattr(anchor, name), inside):.5g}" for name in curves)])
 
 
 def draw_trajectories(trajectories, path):
