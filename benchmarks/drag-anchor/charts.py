@@ -101,4 +101,4 @@ def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
         centre = dragged + 2.2  # of the fluke, along x
         draw_section(section, folder / f"section-{stem}-at-{distance:g}m.png", "displacement magnitude",
                      f"{mesh}, y = {SECTION_AT:g} m, after {dragged:.1f} m",
-                     window=(centre - 3., centre + 5., 15.5, 19.5))
+                     window=(centre - 3., centre + 5., 14.5, 19.5))
