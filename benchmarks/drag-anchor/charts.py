@@ -15,7 +15,11 @@ SECTION_AT = 0.55  # m, through the middle of a fluke
 
 def write_table(trajectories, path):
     """One line per run."""
-    rows = [{"mesh": mesh, **anchor.record} for mesh, anchor in trajectories.items()]
+    write_rows([{"mesh": mesh, **anchor.record} for mesh, anchor in trajectories.items()], path)
+
+
+def write_rows(rows, path):
+    """A CSV file of dictionaries with the same keys."""
     with open(path, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()

@@ -77,6 +77,7 @@ OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::
                 {
                   if (rank_of(communicator) != 0)
                     return;
+                  create_folder(run_directory);
                   if (parameters.vtk.on)
                     create_folder(vtk_folder);
                   if (parameters.csv.on)

@@ -115,11 +115,7 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
 template <int dim> void Simulation<dim>::generate(const RunOptions& options)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)
-  {
-    std::error_code ignored; // the file that cannot be written says so
-    std::filesystem::create_directories(options.output_directory, ignored);
     write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
-  }
   const auto scope = log.timings().measure("generation");
   generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
   particles.balance_load(mesh, particle_cost);

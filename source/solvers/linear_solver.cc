@@ -42,8 +42,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   }
   else
     list.set("coarse: type", "KLU2");
-  // a node that no aggregate takes has fewer unknowns than there are modes: the rest leave empty rows in the coarse
-  // matrix
+  // a node that no aggregate takes has fewer unknowns than modes: the rest leave empty rows in the coarse matrix
   list.set("rap: fix zero diagonals", true);
   list.set("max levels", 6);
   list.set("reuse: type", "none"); // the others of Trilinos 13 fail where the pattern of a coarse matrix changes

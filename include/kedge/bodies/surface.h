@@ -91,7 +91,7 @@ struct ClosestPoint
 /// than the point's way.
 struct KnownDistance
 {
-  Eigen::Vector3d at;                                                ///< m
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();                      ///< m
   double signed_distance = std::numeric_limits<double>::quiet_NaN(); ///< m; not a number: nothing is known
 };
 
