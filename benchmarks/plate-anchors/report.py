@@ -86,20 +86,29 @@ def _common(result):
 COMMON = ["hyperbola / kPa", "last 10 mm / kPa", "material points", "time steps", "wall time / s"]
 
 
+def _by_analysis(results):
+    """A heading and its results: static equilibrium, which is quoted, and explicit dynamics."""
+    static = [result for result in results if result.case.analysis == "static"]
+    explicit = [result for result in results if result.case.analysis == "explicit"]
+    return [pair for pair in ((f"Static equilibrium in steps of {1e3 * STATIC_STEP:g} mm", static), ("Explicit dynamics", explicit)) if pair[1]]
+
+
 def _shapes(results):
     text = "## Shapes (table 2, figure 7)\n\n"
-    first = results[0]
-    rows = []
-    for result in results:
-        known = REFERENCE["shapes"][result.case.shape]
-        lab, published = known["laboratory"], known["published"]
-        rows.append([result.case.shape, *_common(result)[:2], f"{1e-3 * published:.1f}", f"{1e-3 * lab:.1f}",
-                     f"{100. * (result.at_end / lab - 1.):+.0f} %", f"{result.at_end / first.at_end:.2f}",
-                     f"{known['shape factor']:.2f}", f"{lab / REFERENCE['shapes']['TS']['laboratory']:.2f}",
-                     *_common(result)[2:]])
-    text += _table(["shape", *COMMON[:2], "published / kPa", "laboratory / kPa", "last 10 mm against laboratory",
-                    f"over {first.case.shape}", "published", "laboratory", *COMMON[2:]], rows)
-    return text + "\n" + _mobilised(results)
+    for title, group in _by_analysis(results):
+        first, rows = group[0], []
+        for result in group:
+            known = REFERENCE["shapes"][result.case.shape]
+            lab, published = known["laboratory"], known["published"]
+            rows.append([result.case.shape, *_common(result)[:2], f"{1e-3 * published:.1f}", f"{1e-3 * lab:.1f}",
+                         f"{100. * (result.at_end / lab - 1.):+.0f} %", f"{100. * (published / lab - 1.):+.0f} %",
+                         f"{result.at_end / first.at_end:.2f}", f"{known['shape factor']:.2f}",
+                         f"{lab / REFERENCE['shapes'][first.case.shape]['laboratory']:.2f}", *_common(result)[2:],
+                         f"{result.record['cuts']}"])
+        text += f"{title}:\n\n" + _table(["shape", *COMMON[:2], "published / kPa", "laboratory / kPa", "last 10 mm against laboratory",
+                                           "published against it", f"over {first.case.shape}", "published", "laboratory", *COMMON[2:],
+                                           "cuts"], rows) + "\n"
+    return text + _mobilised(results)
 
 
 def _mobilised(results):
@@ -111,27 +120,30 @@ brackets what the paper prints, in mm²: less than a hundredth of the plate's ow
 ones of the half model, as here.
 
 """
-    rows, first = [], {}
-    for result in results:
-        row = [result.case.shape]
-        for name in ("horizontal", "vertical"):
-            front, back = result.record["mobilised"][name]
-            published = REFERENCE["mobilised area"][result.case.shape][name]
-            ratio = (front - back) / result.case.area
-            factor = ratio / first.setdefault(name, ratio)
-            known = REFERENCE["mobilisation factor"].get(result.case.shape, {})
-            row += [f"{1e4 * front:.0f} ({published[0]:.0f})", f"{1e4 * back:.0f} ({published[1]:.0f})", f"{factor:.2f}", f"{known.get(name, 1.):.2f}"]
-            if name == "vertical":
-                row.append(f"{known.get('laboratory, vertical', 1.):.2f}")
-        rows.append(row)
-    return text + _table(["shape", "horizontal, front / cm²", "behind / cm²", "factor", "published", "vertical, front / cm²",
-                          "behind / cm²", "factor", "published", "laboratory"], rows)
+    for title, group in _by_analysis(results):
+        rows, first = [], {}
+        for result in group:
+            row = [result.case.shape]
+            for name in ("horizontal", "vertical"):
+                front, back = result.record["mobilised"][name]
+                published = REFERENCE["mobilised area"][result.case.shape][name]
+                ratio = (front - back) / result.case.area
+                factor = ratio / first.setdefault(name, ratio)
+                known = REFERENCE["mobilisation factor"].get(result.case.shape, {})
+                row += [f"{1e4 * front:.0f} ({published[0]:.0f})", f"{1e4 * back:.0f} ({published[1]:.0f})", f"{factor:.2f}",
+                        f"{known.get(name, 1.):.2f}"]
+                if name == "vertical":
+                    row.append(f"{known.get('laboratory, vertical', 1.):.2f}")
+            rows.append(row)
+        text += f"{title}:\n\n" + _table(["shape", "horizontal, front / cm²", "behind / cm²", "factor", "published",
+                                           "vertical, front / cm²", "behind / cm²", "factor", "published", "laboratory"], rows) + "\n"
+    return text
 
 
 def _sections(results, target):
     """Stress and displacement of the runs that are there; the pictures of earlier ones stay."""
     text = "### Stress and displacement (figures 8 to 10)\n\n"
-    runs = [(result.case, result.run) for result in results if result.run]
+    runs = [(result.case, result.run) for result in _by_analysis(results)[0][1] if result.run]
     for name, caption in (("stress", "Horizontal stress σxx in the horizontal section, line at 5 kPa"),
                           ("displacement", "Displacement in the horizontal (left) and vertical section, line at 5 mm")):
         path = target / f"plate-anchors-{name}.png"
@@ -183,14 +195,9 @@ def _per_overburden(result):
 
 _TEXTS = {
     "shapes": _shapes,
-    "static": _variation("Static equilibrium", "shape, analysis, cells at the plate and around it / mm",
-                         lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}",
-                         f"Implicit static steps of {1e3 * STATIC_STEP:g} mm, residuals of 0.1 % of the soil's nodal weights, finer cells up to 40 mm from "
-                         "the plate's whole way from the start, beside explicit dynamics with scaled mass and finer cells up to 40 mm from "
-                         "where the plate is.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
-    "resolution": _variation("Resolution", "shape, cells at the plate, around it, beyond / mm",
-                             lambda case: f"{case.shape}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "
-                                          f"{1e3 * case.base:g}"),
+    "resolution": _variation("Resolution", "shape, analysis, cells at the plate, around it, beyond / mm",
+                             lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "
+                                          f"{1e3 * case.base:g}", columns=[("cuts", lambda result: f"{result.record['cuts']}")]),
     "rate": _variation("Loading rate (figure 6)", "velocity, mass scaling",
                        lambda case: "static" if case.analysis == "static" else
                        f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
@@ -222,13 +229,15 @@ def _label(case, cases):
 def _draw_curves(results, part, path):
     figure, axes = plt.subplots(figsize=(7, 4.4))
     cases = [result.case for result in results]
+    shapes = list(dict.fromkeys(case.shape for case in cases))
     for number, result in enumerate(results):
-        axes.plot(1e3 * result.displacement, 1e-3 * result.pressure, color=f"C{number}",
-                  label=_label(result.case, cases))
-        if part == "shapes":
-            axes.axhline(1e-3 * REFERENCE["shapes"][result.case.shape]["laboratory"], color=f"C{number}", linestyle="--",
-                         linewidth=0.8)
+        color = f"C{shapes.index(result.case.shape) if part == 'shapes' else number}"
+        dotted = part == "shapes" and result.case.analysis == "explicit"
+        axes.plot(1e3 * result.displacement, 1e-3 * result.pressure, color=color, linestyle=":" if dotted else "-",
+                  linewidth=1. if dotted else 1.5, label=_label(result.case, cases))
     if part == "shapes":
+        for number, shape in enumerate(shapes):
+            axes.axhline(1e-3 * REFERENCE["shapes"][shape]["laboratory"], color=f"C{number}", linestyle="--", linewidth=0.8)
         axes.plot([], [], color="0.4", linestyle="--", linewidth=0.8, label="laboratory, at large displacement")
     axes.set_xlim(left=0.)
     axes.set_ylim(bottom=0.)

@@ -160,4 +160,11 @@ JointResponse evaluate_joint(const Joint& joint, const std::array<Pose, 2>& star
   }
   return response;
 }
+
+JointForce joint_force(const Joint& joint, const std::array<Pose, 2>& poses)
+{
+  const Vector12 resistance = evaluate_joint(joint, poses, {Vector6::Zero(), Vector6::Zero()}).force;
+  const Eigen::Vector3d force = resistance.head<3>(), moment = resistance.segment<3>(3);
+  return {-force, poses[0].direction_to_world(joint.anchors[0]).cross(force) - moment};
+}
 } // namespace kedge

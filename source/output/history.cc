@@ -27,6 +27,9 @@ std::string body_columns(const RigidSystems& bodies, const std::vector<BodyField
       add_columns(fmt::format("body{}_{}", i + 1, field.name), field.n_components, line);
   for (std::size_t i = 0; i < bodies.tracked.size(); ++i)
     add_columns(fmt::format("track{}", i + 1), 3, line);
+  for (std::size_t i = 0; i < bodies.joints.size(); ++i)
+    for (const char* const name : {"force", "couple"})
+      add_columns(fmt::format("joint{}_{}", i + 1, name), 3, line);
   return line + ",stage,step\n";
 }
 } // namespace
@@ -127,6 +130,13 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
   {
     const Eigen::Vector3d x = bodies.points[node.point].pose.to_world(node.position);
     fmt::format_to(end, ",{},{},{}", x[0], x[1], x[2]);
+  }
+  for (const Joint& joint : bodies.joints)
+  {
+    const auto [a, b] = joint.points;
+    const JointForce on_first = joint_force(joint, {bodies.points[a].pose, bodies.points[b].pose});
+    for (const Eigen::Vector3d& x : {on_first.force, on_first.couple})
+      fmt::format_to(end, ",{},{},{}", x[0], x[1], x[2]);
   }
   fmt::format_to(end, ",{},{}\n", stage, step);
   file.write(row.data(), static_cast<std::streamsize>(row.size()));

@@ -131,7 +131,8 @@ void OutputWriter<dim>::write_if_due(const OutputState<dim>& state, unsigned int
                         write_particle_csv(table, csv_particle_fields, state.time, csv_folder + "/" + name);
                     });
     }
-  const bool any_column = !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty();
+  const bool any_column =
+      !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty() || !state.bodies.joints.empty();
   if (csv && any_column && !state.bodies.empty())
     fail_together(csv_folder, communicator,
                   [&]

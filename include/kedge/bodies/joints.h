@@ -54,4 +54,14 @@ struct JointResponse
 /// `start` are the poses at the start of the step, `increments` the motion since then.
 JointResponse evaluate_joint(const Joint& joint, const std::array<Pose, 2>& start,
                              const std::array<Vector6, 2>& increments);
+
+/// What a joint exerts on the body of its first point, world axes: a force at its anchor and, of a hinge, a couple
+/// beside it. The body of the second point gets the opposite at its own anchor.
+struct JointForce
+{
+  Eigen::Vector3d force;  ///< N
+  Eigen::Vector3d couple; ///< N m
+};
+
+JointForce joint_force(const Joint& joint, const std::array<Pose, 2>& poses);
 } // namespace kedge

@@ -26,7 +26,8 @@ void write_particle_csv(const ParticleTable& table, const std::vector<ParticleFi
                         const std::string& path);
 
 /// The table of the rigid bodies: time, the fields of each point (body1_position_x, ...), the position of each tracked
-/// node (track1_x, ...), stage and step; one row per output. Only one rank may keep it.
+/// node (track1_x, ...), force and couple of each joint (joint1_force_x, ...), stage and step; one row per output. Only
+/// one rank may keep it.
 class BodyHistory
 {
 public:

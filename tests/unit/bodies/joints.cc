@@ -173,6 +173,38 @@ TEST(Rod, PullsAndPushesByItsStiffness)
   }
 }
 
+TEST(JointForce, TurnsIntoTheResistanceOfItsPoints)
+{
+  for (const auto& [name, parameters] : every_joint())
+  {
+    const Joint joint = joint_of(parameters);
+    const auto start = turned_poses();
+    const Vector12 y = large_increments(0.7);
+    const std::array<Pose, 2> poses = {start[0].moved(y.head<6>()), start[1].moved(y.tail<6>())};
+    const JointForce on_first = joint_force(joint, poses);
+    const Vector12 resistance = response_at(joint, poses, Vector12::Zero()).force;
+    for (int i = 0; i < 2; ++i)
+    {
+      const double sense = i == 0 ? -1. : 1.;
+      const Vector3d arm = poses[i].direction_to_world(joint.anchors[i]);
+      Vector6 expected;
+      expected << sense * on_first.force, sense * (on_first.couple + arm.cross(on_first.force));
+      EXPECT_NEAR((resistance.segment<6>(6 * i) - expected).norm(), 0., 1e-12 * resistance.norm()) << name;
+    }
+    EXPECT_EQ(on_first.couple.norm() > 1e-6 * on_first.force.norm(), joint.rotational_stiffness > 0.) << name;
+  }
+}
+
+TEST(JointForce, HingeHoldsATurnAcrossItsAxis)
+{
+  const Joint joint = make_joint(hinge({0.5, 0., 0.}, 1e9, 1e8), {point_at({}, true), point_at({}, true)}, 0, 3);
+  std::array<Pose, 2> poses{};
+  poses[1] = poses[1].moved(turn_about(poses[1], {0.5, 0., 0.}, {0.02, 0., 0.}));
+  const JointForce on_first = joint_force(joint, poses);
+  EXPECT_NEAR((on_first.couple - Vector3d(1e8 * std::sin(0.02), 0., 0.)).norm(), 0., 1e-4);
+  EXPECT_NEAR(on_first.force.norm(), 0., 1e-4);
+}
+
 /// The stop of an AC-14 anchor: arm 0.131 m, limit 35 degrees.
 struct AnchorStop
 {

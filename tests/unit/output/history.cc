@@ -92,6 +92,23 @@ TEST(BodyCsv, TextIsExact)
             "0.25,5,0,0,0,6.5,0,0,0,0.5,2,3.25,2,13\n");
 }
 
+TEST(BodyCsv, JointsStandAfterTrackedNodes)
+{
+  const TemporaryFolder folder;
+  RigidSystems bodies = two_points();
+  Joint ball;
+  ball.points = {0, 1};
+  ball.anchors = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  ball.stiffness = 4.;
+  bodies.joints = {ball};
+  BodyHistory history(folder / own("rigid_body.csv"), {});
+  history.append(bodies, {}, 0.125, 1, 2);
+  EXPECT_EQ(read_text_file(folder / own("rigid_body.csv")),
+            "time,track1_x,track1_y,track1_z,joint1_force_x,joint1_force_y,joint1_force_z,"
+            "joint1_couple_x,joint1_couple_y,joint1_couple_z,stage,step\n"
+            "0.125,0.5,2,3.25,4,8,12,0,0,0,1,2\n");
+}
+
 TEST(BodyCsv, NewRunReplacesTheOldTable)
 {
   const TemporaryFolder folder;
