@@ -79,11 +79,11 @@ def _fit(result):
 
 def _common(result):
     record = result.record
-    return [_fit(result), f"{1e-3 * result.at_end:.1f}", f"{record['material points']}", f"{record['time steps']}",
-            f"{record['wall time']:.0f}"]
+    steps = record["time steps"] or len(record["displacement"])  # explicit ones, or those of an implicit stage
+    return [_fit(result), f"{1e-3 * result.at_end:.1f}", f"{record['material points']}", f"{steps}", f"{record['wall time']:.0f}"]
 
 
-COMMON = ["hyperbola / kPa", "last 10 mm / kPa", "material points", "time steps", "wall time / s"]
+COMMON = ["hyperbola / kPa", "last 10 mm / kPa", "material points", "steps", "wall time / s"]
 
 
 def _by_analysis(results):

@@ -161,10 +161,14 @@ template <int dim> void Contact<dim>::reset_multipliers()
     pair.augmented = pair.committed;
 }
 
-template <int dim> void Contact<dim>::augment()
+template <int dim> void Contact<dim>::augment(const double factor)
 {
   for (Pair& pair : pairs)
+  {
+    const double before = pair.augmented.multiplier;
     pair.augmented = pair.proposed;
+    pair.augmented.multiplier = std::max(0., before + factor * (pair.proposed.multiplier - before));
+  }
 }
 
 template <int dim> double Contact<dim>::excess() const

@@ -101,6 +101,13 @@ template <int dim> std::vector<Vector6> StepProblem<dim>::reactions() const
   return find_reactions(scene, rigid_step(), body_increments, scene.stage.rigid_bodies ? body_loads() : BodyLoads());
 }
 
+/// Uzawa's step over the springs' stiffness. Where inertia or soil is stiffer than the springs by far, as in short time
+/// steps, multipliers grow too slowly with a step of one.
+double next_augmentation(const double factor, const double left)
+{
+  return left > 1. ? std::max(1., 0.25 * factor) : left > 0.5 ? 2. * factor : factor;
+}
+
 template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, const Prediction& prediction)
 {
   load = load_;
@@ -113,7 +120,8 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, c
   scene.contact.reset_multipliers();
   start_from(problem, prediction);
   NewtonReport report = solve_newton(problem, *increment, scene.input.solver);
-  for (unsigned int round = 0; report.converged && scene.contact.excess() > 1.; ++round)
+  double factor = 1., excess = scene.contact.excess();
+  for (unsigned int round = 0; report.converged && excess > 1.; ++round)
   {
     if (round == max_augmentations)
     {
@@ -121,8 +129,11 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, c
       report.failure = "contacts still penetrate after " + std::to_string(round) + " rounds of multipliers";
       break;
     }
-    scene.contact.augment();
+    scene.contact.augment(factor);
     append(report, solve_newton(problem, *increment, scene.input.solver));
+    const double before = excess;
+    excess = scene.contact.excess();
+    factor = next_augmentation(factor, excess / before);
   }
   return report;
 }

@@ -268,6 +268,31 @@ TYPED_TEST(PressedBox, BuriedBoxMeetsTheSoilAsItMovesAlong)
   EXPECT_GT(n_buried, 0u);
 }
 
+TYPED_TEST(PressedBox, MultipliersGrowByWhatTheSpringsTakeTimesAFactor)
+{
+  constexpr double depth = 1e-3;
+  typename TestFixture::Block block(0., depth);
+  ContactParameters parameters = TestFixture::Block::contact_parameters(0.);
+  parameters.method = ContactMethod::augmented_lagrangian;
+  parameters.penetration_tolerance = 1e-2;
+  block.contact = std::decay_t<decltype(block.contact)>(parameters, MPI_COMM_WORLD);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_NEAR(block.contact.excess(), depth / (1e-2 * 0.25), 1e-9);
+  const double spring = block.n_corners() * block.normal_stiffness() * depth;
+  for (const auto& [factor, springs] : {std::pair{1., 2.}, std::pair{4., 6.}})
+  {
+    block.contact.augment(factor);
+    block.evaluate_at_rest();
+    EXPECT_NEAR(block.load()[2], springs * spring, 1e-9 * spring);
+  }
+  const auto rest = [](const auto&, unsigned int) { return 0.; };
+  block.evaluate(rest, test::translation(0., 0., 2. * depth)); // off by the depth: 5 springs press less one
+  block.contact.augment(100.);                                 // a multiplier never pulls
+  block.evaluate_at_rest();
+  EXPECT_NEAR(block.load()[2], spring, 1e-9 * spring);
+}
+
 TYPED_TEST(PressedBox, TellsEachParticlesSmallestGap)
 {
   typename TestFixture::Block block(0., 1e-3);
