@@ -80,7 +80,11 @@ Section<SteppingParameters> stepping_section()
       .only_for("type", {"explicit"});
   section.required("final time", &P::final_time, number("s", positive()), "Duration of the stage")
       .only_for("type", in_time);
-  section.required("beta", &P::beta, number("-", positive()), "Newmark's beta").only_for("type", {"dynamic"});
+  section
+      .required("beta", &P::beta, number("-", positive()),
+                "Newmark's beta; (gamma + 1/2)^2 / 4 lets stiff joints and contacts come to rest, where less than that "
+                "lets their forces swing from step to step")
+      .only_for("type", {"dynamic"});
   section
       .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
                 "Newmark's gamma; above 0.5 it damps, below it would feed energy")
