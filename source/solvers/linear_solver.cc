@@ -49,7 +49,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
-  smoother.set("relaxation: sweeps", strong ? 4 : 2);
+  smoother.set("relaxation: sweeps", strong ? 4 : 1); // two save an eighth of the iterations, each a third longer
   return list;
 }
 
