@@ -103,6 +103,7 @@ def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
         section = cut(grids, anchor.run.surface(step), "y", SECTION_AT, "displacement magnitude", anchor.run.mesh(step))
         dragged = float(np.interp(step, anchor.steps, anchor.distance))
         centre = dragged + 2.2  # of the fluke, along x
+        limits = 1e3 * np.percentile(section.values, (2., 98.))  # mm; the few points that stuck to the anchor outshine the rest
         draw_section(section, folder / f"section-{stem}-at-{distance:g}m.png", "displacement magnitude",
-                     f"{mesh}, y = {SECTION_AT:g} m, after {dragged:.1f} m",
+                     f"{mesh}, y = {SECTION_AT:g} m, after {dragged:.1f} m", limits=limits,
                      window=(centre - 3., centre + 5., 14.5, 19.5))

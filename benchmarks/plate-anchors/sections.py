@@ -1,9 +1,9 @@
 """Pictures of stress and displacement around the plates."""
 import matplotlib.pyplot as plt
 import numpy as np
-from kedge_plot.figures import rectangle_corners
+from kedge_plot.figures import add_soil
 from kedge_plot.section import cut
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
@@ -33,12 +33,9 @@ def draw_sections(runs, kind, path):
 
 
 def _draw(axes, section, factor, line, limits, window):
-    low, high = section.lower, section.upper
-    boxes = PolyCollection(rectangle_corners(low, high), array=factor * section.values, cmap="viridis", antialiased=False, rasterized=True)
-    boxes.set_clim(*limits)
-    axes.add_collection(boxes)
+    boxes = add_soil(axes, section, factor, limits)
     axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1.))
-    centre = (low + high) / 2.
+    centre = (section.lower + section.upper) / 2.
     triangles = Triangulation(*centre.T)
     edges = centre[triangles.triangles] - np.roll(centre[triangles.triangles], 1, axis=1)
     triangles.set_mask(np.linalg.norm(edges, axis=2).max(axis=1) > LONGEST_EDGE)

@@ -59,13 +59,7 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
         width = 6.3
         height = np.clip(width * (top - bottom) / (right - left), 1.2, 8.) + 0.8
         figure, axes = plt.subplots(figsize=(width, height), layout="constrained")
-        corners = rectangle_corners(section.lower, section.upper)
-        # Without lines and smoothing no background shines through between boxes that touch.
-        boxes = PolyCollection(corners, array=factor * section.values, cmap="viridis", linewidths=0.,
-                               antialiased=False, rasterized=True)
-        if limits:
-            boxes.set_clim(*limits)
-        axes.add_collection(boxes)
+        boxes = add_soil(axes, section, factor, limits)
         if len(section.cells):
             frames = rectangle_corners(section.cells[:, 0], section.cells[:, 1])
             axes.add_collection(PolyCollection(frames, facecolors="none", edgecolors="0.6", linewidths=0.4))
@@ -76,6 +70,21 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
         beside = make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.1)
         figure.colorbar(boxes, cax=beside, label=_label(field) + (f" [{unit}]" if unit else ""))
         _finish(figure, axes, caption, path)
+
+
+def add_soil(axes, section, factor, limits=None):
+    """Draws the section's rectangles over their backdrop; returns the collection that a colour bar needs."""
+    drawn = []
+    for boxes in (section.backdrop, section):
+        # Without lines and smoothing no background shines through between boxes that touch.
+        drawn.append(PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap="viridis",
+                                    linewidths=0., antialiased=False, rasterized=True))
+        axes.add_collection(drawn[-1])
+    if limits is None:
+        limits = factor * section.values.min(), factor * section.values.max()
+    for collection in drawn:
+        collection.set_clim(*limits)
+    return drawn[-1]
 
 
 def rectangle_corners(low, high):

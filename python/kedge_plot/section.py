@@ -10,6 +10,15 @@ _COMPONENTS = {3: ["x", "y", "z"], 6: ["xx", "yy", "zz", "xy", "yz", "xz"], 9: [
 
 
 @dataclass
+class Backdrop:
+    """Rectangles that the plane misses by less than their own width, the nearest last, and a value for each. Boxes keep their size
+    where the soil stretches: drawn first, these show that there is soil in the cracks between two rows of boxes."""
+    lower: np.ndarray
+    upper: np.ndarray
+    values: np.ndarray
+
+
+@dataclass
 class Section:
     """Rectangles (lower and upper corner in the two axes of the plane, m), a value for each, the bodies' outline as
     segments (n, 2 ends, 2 coordinates), and the cells of the mesh (n, lower and upper corner, 2 coordinates)."""
@@ -19,6 +28,7 @@ class Section:
     values: np.ndarray
     outline: np.ndarray
     cells: np.ndarray
+    backdrop: Backdrop
 
     def areas(self):
         """Area of each rectangle, m2."""
@@ -30,14 +40,19 @@ def cut(grids, surface, plane, at, field, mesh=None):
     `at` (m)."""
     normal = "xyz".index(plane)
     kept = [i for i in range(3) if i != normal]
-    lower, upper, values = [], [], []
+    lower, upper, values, missed = [], [], [], []
     for grid in grids:
         boxes, value = _boxes(grid), evaluate(grid.cell_data, field)
         hit = _crossing(boxes, normal, at)
         lower.append(boxes[0][hit][:, kept])
         upper.append(boxes[1][hit][:, kept])
         values.append(value[hit])
+        away = np.maximum(boxes[0][:, normal] - at, at - boxes[1][:, normal])
+        near = ~hit & (away < boxes[1][:, normal] - boxes[0][:, normal])
+        missed.append((boxes[0][near][:, kept], boxes[1][near][:, kept], value[near], away[near]))
     lower, upper, values = map(np.concatenate, (lower, upper, values))
+    *backdrop, away = map(np.concatenate, zip(*missed))
+    order = np.argsort(-away, kind="stable")
     if len(values) == 0:
         extent = [_boxes(grid) for grid in grids if len(grid.types)]
         between = (f"; the soil lies between {min(b[0][:, normal].min() for b in extent):.6g} and "
@@ -45,7 +60,8 @@ def cut(grids, surface, plane, at, field, mesh=None):
         raise PlotError(f"the plane {plane} = {at:g} m meets no material point{between}")
     outline = np.empty((0, 2, 2)) if surface is None else _outline(surface, normal, at)[:, :, kept]
     cells = np.empty((0, 2, 2)) if mesh is None else _cells(mesh, normal, at)[:, :, kept]
-    return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline, cells)
+    return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline, cells,
+                   Backdrop(*(array[order] for array in backdrop)))
 
 
 def _cells(mesh, normal, at):

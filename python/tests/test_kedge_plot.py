@@ -267,6 +267,14 @@ class SectionCut(TemporaryFolder):
                 self.assertEqual(len(section.values), 9)
                 self.assertEqual(section.areas().sum(), 9.)
 
+    def test_boxes_beside_the_plane_are_behind_it_the_nearest_last(self):
+        # a plane near the upper face of a layer is taken for one in the next layer
+        for at, behind in ((1.4, {0., 2.}), (1.8, {0., 1.})):
+            with self.subTest(at=at):
+                backdrop = self.cut(at=at, field="displacement_y").backdrop
+                self.assertEqual((len(backdrop.values), set(backdrop.values)), (18, behind))
+        self.assertEqual((backdrop.values[0], backdrop.values[-1]), (0., 1.))
+
     def test_values_and_axes_belong_to_the_boxes(self):
         section = self.cut()
         self.assertEqual(section.axes, "xz")
