@@ -55,9 +55,10 @@ class Case:
         return dataclasses.replace(self, cell=cell, around=cell, mass_scaling=64. * min(1., (0.005 / cell)**2))
 
     def quick(self):
-        """The same with coarse cells and a short way; inertia is scaled as before, so time steps are longer too."""
+        """The same with coarse cells, a short way, and inertia scaled by default wherever it is scaled: the longest time steps."""
         cell = max(self.cell, 0.02)
-        return dataclasses.replace(self, cell=cell, around=cell, distance=0.02)
+        return dataclasses.replace(self, cell=cell, around=cell, distance=0.01 if self.analysis == "dynamic" else 0.02,
+                                   mass_scaling=1. if self.mass_scaling == 1. else Case.mass_scaling)
 
     @property
     def layer(self):
