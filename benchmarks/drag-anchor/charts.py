@@ -6,7 +6,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-from kedge_plot.figures import draw_section
+from kedge_plot.figures import draw_section, unit_of
 from kedge_plot.section import cut
 from trajectory import COLUMNS, Trajectory
 
@@ -103,7 +103,7 @@ def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
         section = cut(grids, anchor.run.surface(step), "y", SECTION_AT, "displacement magnitude", anchor.run.mesh(step))
         dragged = float(np.interp(step, anchor.steps, anchor.distance))
         centre = dragged + 2.2  # of the fluke, along x
-        limits = 1e3 * np.percentile(section.values, (2., 98.))  # mm; the few points that stuck to the anchor outshine the rest
+        limits = unit_of("displacement magnitude")[1] * np.percentile(section.values, (2., 98.))  # the few points that stuck to the anchor outshine the rest
         draw_section(section, folder / f"section-{stem}-at-{distance:g}m.png", "displacement magnitude",
                      f"{mesh}, y = {SECTION_AT:g} m, after {dragged:.1f} m", limits=limits,
                      window=(centre - 3., centre + 5., 14.5, 19.5))

@@ -56,8 +56,7 @@ class Case:
 
     def quick(self):
         """The same with coarse cells, a short way, and inertia scaled by default wherever it is scaled: the longest time steps."""
-        cell = max(self.cell, 0.02)
-        return dataclasses.replace(self, cell=cell, around=cell, distance=0.01 if self.analysis == "dynamic" else 0.02,
+        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.01 if self.analysis == "dynamic" else 0.02,
                                    mass_scaling=1. if self.mass_scaling == 1. else Case.mass_scaling)
 
     @property

@@ -20,6 +20,13 @@ void append(NewtonReport& report, const NewtonReport& next)
   report.escalations += next.escalations;
   report.residuals.insert(report.residuals.end(), next.residuals.begin(), next.residuals.end());
 }
+
+/// Uzawa's step over the springs' stiffness. Where inertia or soil is stiffer than the springs by far, as in short time
+/// steps, multipliers grow too slowly with a step of one.
+double next_augmentation(const double factor, const double left)
+{
+  return left > 1. ? std::max(1., 0.25 * factor) : left > 0.5 ? 2. * factor : factor;
+}
 } // namespace
 
 template <int dim>
@@ -99,13 +106,6 @@ template <int dim> RigidStep StepProblem<dim>::rigid_step() const
 template <int dim> std::vector<Vector6> StepProblem<dim>::reactions() const
 {
   return find_reactions(scene, rigid_step(), body_increments, scene.stage.rigid_bodies ? body_loads() : BodyLoads());
-}
-
-/// Uzawa's step over the springs' stiffness. Where inertia or soil is stiffer than the springs by far, as in short time
-/// steps, multipliers grow too slowly with a step of one.
-double next_augmentation(const double factor, const double left)
-{
-  return left > 1. ? std::max(1., 0.25 * factor) : left > 0.5 ? 2. * factor : factor;
 }
 
 template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, const Prediction& prediction)

@@ -70,7 +70,7 @@ public:
   /// Goes back to the multipliers that the step started with.
   void reset_multipliers();
   /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones.
-  void augment(double factor = 1.);
+  void augment(double factor);
   /// How far corners of the last evaluation that press are from touching, over the tolerance; below 1 augment() has
   /// nothing left to do, as always without multipliers. Collective.
   double excess() const;
