@@ -5,6 +5,7 @@
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/geometry/command.h>
+#include <kedge/simulation/doubts.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/version.h>
@@ -47,8 +48,11 @@ void check(const Arguments& arguments)
 {
   const kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
   kedge::refuse_unavailable_features(input);
-  kedge::check_surfaces(input);
-  fmt::print("{}: valid\n{}", arguments.file, kedge::format_estimate(input, kedge::estimate_cost(input)));
+  const kedge::RigidSystems bodies = kedge::make_rigid_systems(input.systems, input.dimension);
+  fmt::print("{}: valid\n", arguments.file);
+  for (const std::string& doubt : kedge::find_doubts(input, bodies))
+    fmt::print("warning: {}\n", doubt);
+  fmt::print("{}", kedge::format_estimate(input, kedge::estimate_cost(input)));
 }
 
 void add_file_arguments(CLI::App& command, Arguments& arguments)

@@ -12,6 +12,7 @@ STEP_IN_CELLS = 0.05  # of a cell at the plate: what a body moves between two ba
 FRUSTA = {"SFC": (0.08, 0.02), "MFC": (0.025, 0.075), "LFC": (0.025, 0.15)}  # minor diameter and length, m
 PRM = pathlib.Path(__file__).resolve().parents[2] / "prm"
 BASE_AT = 0.4  # m, where the plates' back faces stand
+WAY = 0.05  # m, which the tests pull
 LAYER, BELOW = 0.32, 0.16  # m: the sand of the tests, and the least under a plate's axis
 WHOLE = 0.04  # m, of which a layer's thickness is a multiple
 WEIGHT = 1590. * 9.81  # N/m3
@@ -35,7 +36,7 @@ class Case:
     box_length: float = 1.1
     velocity: float = 0.02
     mass_scaling: float = 64.
-    distance: float = 0.05
+    distance: float = WAY
     uniform: bool = False  # cells of the size `around` everywhere
     ahead: bool = False  # cells of the size `around` along the plate's whole way from the start, not up to `reach` from it
     analysis: str = "explicit"  # or "static" in steps of STATIC_STEP, or "dynamic", implicitly, in steps of DYNAMIC_STEP
@@ -56,7 +57,7 @@ class Case:
 
     def quick(self):
         """The same with coarse cells, a short way, and inertia scaled by default wherever it is scaled: the longest time steps."""
-        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.01 if self.analysis == "dynamic" else 0.02,
+        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.02 if self.analysis == "explicit" else 0.01,
                                    mass_scaling=1. if self.mass_scaling == 1. else Case.mass_scaling)
 
     @property
@@ -110,8 +111,8 @@ class Case:
 
     @property
     def boxes(self):
-        """Around the plate's way."""
-        front = BASE_AT + (0.01 if self.shape == "TS" else FRUSTA[self.shape][1]) + self.distance
+        """Around the plate's way in the tests, however far this run goes."""
+        front = BASE_AT + (0.01 if self.shape == "TS" else FRUSTA[self.shape][1]) + WAY
         half = WIDTH / 2. + 0.04
         return [{"min": [BASE_AT - 0.04, 0., self.height - half], "max": [front + 0.06, half, self.height + half],
                  "element size": self.around}]

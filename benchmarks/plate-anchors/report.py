@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+import limits  # noqa: E402
 import numpy as np  # noqa: E402
 import records  # noqa: E402
 from cases import STATIC_STEP, WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
@@ -59,8 +60,12 @@ def write(parts, work, target, kept):
     for part, cases in parts.items():
         results = find_results(cases, work, kept)
         if len(results) > 1:  # nothing to compare otherwise
-            _draw_curves(results, part, target / f"plate-anchors-{part}.png")
-            text += "\n" + _TEXTS[part](results) + f"\n![Resistance over displacement](plate-anchors-{part}.png)\n"
+            chart = target / f"plate-anchors-{part}.png"
+            if part in _LIMITS:
+                text += "\n" + _over_parameter(results, *_LIMITS[part], chart)
+            else:
+                _draw_curves(results, part, chart)
+                text += "\n" + _TEXTS[part](results) + f"\n![Resistance over displacement]({chart.name})\n"
         if part == "shapes" and results:
             text += "\n" + _sections(results, target)
     path = target / "plate-anchors.md"
@@ -154,6 +159,24 @@ def _sections(results, target):
     return text
 
 
+def _resolution(results):
+    """With the mean over ways that all have gone beside those of the whole way."""
+    way = min(result.case.distance for result in results)
+    rows = []
+    for result in results:
+        case = result.case
+        mesh = f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}"
+        same_way = mean_between(result.displacement, result.pressure, way - 0.01, way)
+        fit, at_end, *others = _common(result)
+        rows.append([mesh, f"{1e3 * case.distance:g}", fit, at_end, f"{1e-3 * same_way:.1f}", *others, f"{result.record['cuts']}"])
+    return """## Resolution
+
+Cells at the plate's surface, around it or its way, and beyond. In explicit dynamics cells of 20 mm beyond begin 80 mm from the plate.
+
+""" + _table(["shape, analysis, cells at the plate, around it, beyond / mm", "way / mm", *COMMON[:2],
+              f"{1e3 * way - 10.:g} to {1e3 * way:g} mm / kPa", *COMMON[2:], "cuts"], rows)
+
+
 def _octree(results):
     """The first run is what the others are compared with."""
     rows, first = [], results[0]
@@ -185,6 +208,16 @@ def _variation(title, name, of, note="", columns=()):
     return text
 
 
+def _over_parameter(results, title, name, of, note, chart):
+    """A row per value of a parameter with all shapes, and their chart."""
+    found = limits.Limits(results, of)
+    limits.draw(found, name, chart)
+    head, rows = limits.rows(found)
+    note += (f"Static equilibrium, cells of 10 mm at the plate and along its way; means from {1e3 * (found.way - limits.LAST):g} to "
+             f"{1e3 * found.way:g} mm; the wall time is that of all shapes.\n\n")
+    return f"## {title}\n\n{note}" + _table([name, *head], rows) + f"\n![{title}]({chart.name})\n"
+
+
 def _formula(of):
     return lambda result: f"{1e-3 * of(result.case):.1f}"
 
@@ -195,16 +228,11 @@ def _per_overburden(result):
 
 _TEXTS = {
     "shapes": _shapes,
-    "resolution": _variation("Resolution", "shape, analysis, cells at the plate, around it, beyond / mm",
-                             lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g} up to {1e3 * case.reach:g}, "
-                                          f"{1e3 * case.base:g}", columns=[("cuts", lambda result: f"{result.record['cuts']}")]),
+    "resolution": _resolution,
     "rate": _variation("Loading rate (figure 6)", "velocity, mass scaling",
                        lambda case: "static" if case.analysis == "static" else
                        f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
-    "friction": _variation("Friction angle (figure 12)", "angle / °", lambda case: f"{case.friction_angle:g}",
-                           "The plate's friction is the tangent of the same angle.\n\n"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
-    "group": _variation("Group effect (figure 11)", "spacing / B", lambda case: f"{2. * case.half_width / WIDTH:g}"),
     "dilatancy": _variation("Dilatancy", "angle / °", lambda case: f"{case.dilation_angle:g}"),
     "interface": _variation("Friction of plate and sand", "tan δ / tan φ", lambda case: f"{case.roughness:g}"),
     "embedment": _variation("Embedment", "depth of the axis / B", lambda case: f"{case.depth / WIDTH:g}" + (", strip" if 2. * case.half_width < WIDTH else ""),
@@ -215,6 +243,13 @@ _TEXTS = {
                              ("strip, Rankine / kPa", _formula(rankine_strip)),
                              ("square, Teng / kPa", _formula(teng_square)), ("square, Broms / kPa", _formula(broms_square))]),
     "octree": _octree,
+}
+
+_LIMITS = {
+    "friction": ("Friction angle (figure 12)", "friction angle / °", lambda case: case.friction_angle,
+                 "The plate's friction is the tangent of the same angle. "),
+    "group": ("Group effect (figure 11)", "spacing / B", lambda case: round(2. * case.half_width / WIDTH, 6),
+              "One of a row of plates, whose spacing is the box's width. "),
 }
 
 

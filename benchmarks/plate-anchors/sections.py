@@ -8,7 +8,7 @@ from matplotlib.tri import Triangulation
 
 WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
 LONGEST_EDGE = 0.05  # m, of the triangles between material points that a contour line may cross
-KINDS = {"stress": ("stress_xx", "σxx / kPa", -1e-3, 5., (0., 25.), "z"),
+KINDS = {"stress": ("stress_xx", "−σxx (compression) / kPa", -1e-3, 5., (0., 25.), "z"),
          "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy")}
 
 

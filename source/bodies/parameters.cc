@@ -24,9 +24,9 @@ Format<DofCondition> dof_condition()
       moved.read(json, condition, place);
       return condition;
     }
-    if (!json.is_string())
+    if (json != "free" && json != "fixed")
       place.expected(expects, shown(json));
-    return DofCondition{read_word(json, place, {"free", "fixed"}) == 0 ? Kind::free : Kind::fixed, 0.};
+    return DofCondition{json == "free" ? Kind::free : Kind::fixed, 0.};
   };
   const Json movement = {{"description", "Movement per uncut step"}, {"type", "number"}};
   format.schema = {{"anyOf",

@@ -8,6 +8,10 @@ namespace kedge
 {
 namespace
 {
+/// Bounds of no point.
+const std::array<Eigen::Vector3d, 2> nothing{{Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                                              Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity())}};
+
 TriangleMesh in_body_frame(TriangleMesh mesh, const Eigen::Vector3d& origin)
 {
   for (Eigen::Vector3d& vertex : mesh.vertices)
@@ -63,18 +67,39 @@ void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>
     set(change.system - 1, change.point - 1, change.conditions);
 }
 
+std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const WeldedSurface& welded)
+{
+  std::array<Eigen::Vector3d, 2> box = nothing;
+  for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
+  {
+    const Eigen::Vector3d x = systems.points[welded.point].pose.to_world(vertex);
+    box[0] = box[0].cwiseMin(x);
+    box[1] = box[1].cwiseMax(x);
+  }
+  return box;
+}
+
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
 {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::array<Eigen::Vector3d, 2> box{{Eigen::Vector3d::Constant(infinity), Eigen::Vector3d::Constant(-infinity)}};
+  std::array<Eigen::Vector3d, 2> box = nothing;
   for (const WeldedSurface& welded : systems.surfaces)
-    for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
-    {
-      const Eigen::Vector3d x = systems.points[welded.point].pose.to_world(vertex);
-      box[0] = box[0].cwiseMin(x);
-      box[1] = box[1].cwiseMax(x);
-    }
+  {
+    const auto its = world_bounds(systems, welded);
+    box[0] = box[0].cwiseMin(its[0]);
+    box[1] = box[1].cwiseMax(its[1]);
+  }
   return box;
+}
+
+double extent_of_surfaces(const RigidSystems& systems, const unsigned int dim)
+{
+  if (systems.surfaces.empty())
+    return 0.;
+  const auto box = world_bounds(systems);
+  Eigen::Vector3d diagonal = box[1] - box[0];
+  if (dim == 2)
+    diagonal[1] = 0.;
+  return diagonal.norm();
 }
 
 bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,

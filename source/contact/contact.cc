@@ -370,14 +370,22 @@ void Contact<dim>::import_history(const std::vector<ContactRecord>& records, con
   follow_particles(ids);
 }
 
-template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps() const
+template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
 {
   std::map<long long, double> gaps;
   for (const Pair& pair : pairs)
   {
-    const auto [entry, is_new] = gaps.emplace(pair.key.particle, pair.gap);
+    double gap = pair.gap;
+    if (!std::isfinite(gap)) // evaluations look no farther than what may press
+    {
+      const WeldedSurface& welded = moved.surfaces[pair.key.surface];
+      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.position);
+      if (const auto closest = welded.surface.closest_point_within(x, pair.size))
+        gap = closest->gap;
+    }
+    const auto [entry, is_new] = gaps.emplace(pair.key.particle, gap);
     if (!is_new)
-      entry->second = std::min(entry->second, pair.gap);
+      entry->second = std::min(entry->second, gap);
   }
   return gaps;
 }

@@ -7,7 +7,7 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of what the file holds.
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields

@@ -20,7 +20,7 @@ RunProgress progress_from(const Json& json)
   RunProgress progress;
   progress.stage = json.at("stage");
   const Json& clock = json.at("clock");
-  progress.clock = {clock.at(0), clock.at(1), clock.at(2)};
+  progress.clock = {clock.at(0), clock.at(1), clock.at(2), clock.at(3), clock.at(4), clock.at(5), clock.at(6)};
   progress.step = json.at("step");
   progress.steps_in_stage = json.at("steps in stage");
   progress.deleted = json.at("deleted");
@@ -37,13 +37,19 @@ Json parse(const std::string& text, const std::string& path)
   return json;
 }
 
+/// Whether a stage with a later end has the same steps: explicit ones may be shares of the whole time.
+bool steps_are_of_fixed_length(const Json& stage)
+{
+  return stage.value("type", "") != "explicit" || (stage.contains("basis step") && stage["basis step"].is_number());
+}
+
 /// Takes the end of the last stage out of both where it is later now: the way up to the restart file is the same.
 void forget_later_end(Json& now, Json& then)
 {
   if (now.at("analysis").size() != then.at("analysis").size())
     return;
   Json &stage = now["analysis"].back(), &stage_then = then["analysis"].back();
-  if (stage.contains("final time") && stage_then.contains("final time") &&
+  if (steps_are_of_fixed_length(stage) && stage.contains("final time") && stage_then.contains("final time") &&
       stage["final time"] > stage_then["final time"])
   {
     stage.erase("final time");
@@ -63,11 +69,12 @@ void require_same_input(const std::string& now, const std::string& then, const s
   forget_later_end(b, a);
   const Json difference = Json::diff(a, b);
   if (!difference.empty())
-    throw InputError("restart",
-                     fmt::format("{} belongs to an input with another value of {}", path,
-                                 difference[0].at("path").get<std::string>()),
-                     "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
-                     "may differ, and a later \"final time\" of the last stage");
+    throw InputError(
+        "restart",
+        fmt::format("{} belongs to an input with another value of {}", path,
+                    difference[0].at("path").get<std::string>()),
+        "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
+        "may differ, and a later \"final time\" of the last stage (explicit: where \"basis step\" is a number)");
 }
 
 /// A point of the grid as a number that does not depend on how it was computed.

@@ -13,9 +13,14 @@ namespace
 {
 nlohmann::json to_json(const RunProgress& progress)
 {
-  return {{"stage", progress.stage},     {"clock", {progress.clock.position, progress.clock.size, progress.clock.cuts}},
-          {"step", progress.step},       {"steps in stage", progress.steps_in_stage},
-          {"deleted", progress.deleted}, {"has warned of window", progress.has_warned_of_window},
+  const ClockState& clock = progress.clock;
+  return {{"stage", progress.stage},
+          {"clock",
+           {clock.ticks_per_step, clock.position, clock.limit, clock.cuts, clock.made, clock.patience, clock.on_trial}},
+          {"step", progress.step},
+          {"steps in stage", progress.steps_in_stage},
+          {"deleted", progress.deleted},
+          {"has warned of window", progress.has_warned_of_window},
           {"summary", progress.summary}};
 }
 

@@ -93,7 +93,7 @@ void BodyHistory::resume_after(unsigned int step)
   std::istringstream lines(read_text_file(path));
   std::string line, kept;
   std::getline(lines, line);
-  kept = line + "\n";
+  const std::string line_of_names = kept = line + "\n";
   while (std::getline(lines, line))
   {
     const std::string last = line.substr(line.rfind(',') + 1);
@@ -102,6 +102,7 @@ void BodyHistory::resume_after(unsigned int step)
     if (!lines.eof() && is_step && std::stoul(last) <= step)
       kept += line + "\n";
   }
+  kept_names = line_of_names;
   replace_text_file(path, kept);
   file.open(path, std::ios::binary | std::ios::app);
   if (!file)
@@ -116,6 +117,10 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
     file.open(path, std::ios::binary | std::ios::trunc);
     file << body_columns(bodies, fields);
   }
+  if (!kept_names.empty() && kept_names != body_columns(bodies, fields))
+    throw FileError(path,
+                    "has other columns than this run; restart with the \"csv rigid body fields\" of the first run");
+  kept_names.clear();
   fmt::memory_buffer row;
   const auto end = fmt::appender(row);
   fmt::format_to(end, "{}", time);

@@ -99,7 +99,8 @@ Section<OutputParameters> output_section()
   section.include(series_section("vtk"), &P::vtk);
   section.include(series_section("csv"), &P::csv);
   section.optional("checkpoint every", &P::checkpoint_every, interval(),
-                   "Interval between restart files; none are written without it");
+                   "Interval between restart files; without it one is written where a stage ends that is not the last "
+                   "and where a run fails");
   section.optional("checkpoint directory", &P::checkpoint_directory, output_folder(), "Folder of the restart files");
   return section;
 }

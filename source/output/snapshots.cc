@@ -2,33 +2,14 @@
 
 #include <filesystem>
 #include <fmt/format.h>
-#include <functional>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/snapshots.h>
+#include <kedge/output/text_file.h>
 
 namespace kedge
 {
 namespace
 {
-/// Runs what may fail on one rank alone and lets all ranks fail together.
-void fail_together(const std::string& folder, MPI_Comm communicator, const std::function<void()>& action)
-{
-  std::optional<FileError> problem;
-  try
-  {
-    action();
-  }
-  catch (const FileError& error)
-  {
-    problem = error;
-  }
-  const bool anywhere = max_over_ranks(problem ? 1. : 0., communicator) > 0.;
-  if (problem)
-    throw *problem;
-  if (anywhere)
-    throw FileError(folder, "another rank could not write its files");
-}
-
 void create_folder(const std::string& folder)
 {
   std::error_code error;
@@ -87,7 +68,7 @@ OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::
 
 template <int dim> void OutputWriter<dim>::resume_after(unsigned int step)
 {
-  resumed = step;
+  resumed = vtk_step = csv_step = step;
   fail_together(csv_folder, communicator,
                 [&]
                 {
@@ -106,10 +87,16 @@ template <int dim>
 void OutputWriter<dim>::write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage,
                                      bool last_of_stage)
 {
-  const bool vtk = parameters.vtk.on && vtk_schedule.due(converged_steps_in_stage, last_of_stage);
-  const bool csv = parameters.csv.on && csv_schedule.due(converged_steps_in_stage, last_of_stage);
+  const bool vtk =
+      parameters.vtk.on && vtk_step != state.step && vtk_schedule.due(converged_steps_in_stage, last_of_stage);
+  const bool csv =
+      parameters.csv.on && csv_step != state.step && csv_schedule.due(converged_steps_in_stage, last_of_stage);
   if (!vtk && !csv)
     return;
+  if (vtk)
+    vtk_step = state.step;
+  if (csv)
+    csv_step = state.step;
   const Layers layers = particles_by_layer(state.particles, n_layers);
 
   if (vtk)

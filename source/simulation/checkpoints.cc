@@ -13,8 +13,13 @@ volatile std::sig_atomic_t terminated = 0; // a signal handler can reach nothing
 void note_termination(int) { terminated = 1; }
 } // namespace
 
+std::string restart_path(const OutputParameters& parameters, const std::string& output_directory)
+{
+  return (std::filesystem::path(output_directory) / parameters.checkpoint_directory / "restart.h5").string();
+}
+
 CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const std::string& output_directory)
-    : file((std::filesystem::path(output_directory) / parameters.checkpoint_directory / "restart.h5").string())
+    : file(restart_path(parameters, output_directory))
 {
   if (parameters.checkpoint_every.empty())
     return;

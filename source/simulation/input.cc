@@ -46,8 +46,7 @@ Section<Stage> stage_section()
 Section<Input> domain_section()
 {
   Section<Input> section("The grid and gravity");
-  section.required("size", &Input::domain_size, number("m", positive()),
-                   "Lower bound of the grid's side; the grid always holds the soil and as much empty space above it");
+  section.ignored("size", "Not read: the grid ends where the soil does, and has as much empty space above it");
   section.required("gravity", &Input::gravity, vector("m/s2"), "Acceleration of gravity, not zero");
   return section;
 }
@@ -56,6 +55,7 @@ Section<Input> input_section()
 {
   Section<Input> section("Input of Kedge: SI units, degrees, tension positive, z up. Systems and points are numbered "
                          "from 1, paths are relative to the input file");
+  section.ignored("$schema", "Not read: where editors find what `kedge schema` prints");
   section.required("GPU", &Input::gpu, on_off(),
                    "Run on the device back end; a build without one warns and uses the CPU");
   section.optional("dimension", &Input::dimension, count(Bounds().at_least(2).at_most(3)),

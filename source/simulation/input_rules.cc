@@ -143,6 +143,26 @@ void check_inertia(const Stage& stage, const Input& input, const Place& systems)
                     remedy);
     }
 }
+/// What is out of balance on bodies is measured by their weight.
+void check_weight(const Stage& stage, const Input& input, const Place& systems)
+{
+  bool any_free = false;
+  double mass = 0.;
+  for (std::size_t i = 0; i < input.systems.size(); ++i)
+    for (std::size_t k = 0; k < input.systems[i].points.size(); ++k)
+    {
+      const auto& conditions = conditions_in(stage, input, i, k);
+      const unsigned int n_dofs = input.dimension == 3 ? 6 : 3;
+      mass += input.systems[i].points[k].mass;
+      any_free = any_free ||
+                 std::any_of(conditions.begin(), conditions.begin() + n_dofs,
+                             [](const DofCondition& condition) { return condition.kind == DofCondition::Kind::free; });
+    }
+  if (any_free && !(mass > 0.))
+    systems.entry(0).key("points").entry(0).key("mass").fail(
+        "bodies that may move have no mass at all, and their weight is what forces on them are compared with",
+        "give them some, or fix them in every stage");
+}
 } // namespace
 
 void check_consistency(const Input& input, const Place& root)
@@ -162,8 +182,14 @@ void check_consistency(const Input& input, const Place& root)
           .fail("a body cannot be buried from the start and be placed on the surface",
                 "switch off one of \"wished in place\" and \"rigid body surface placement\"");
     check_point_conditions(stage, input, place.key("rigid body boundary conditions"));
+    if (input.basis == Basis::mpm && has_surface(input))
+      root.key("basis").fail(
+          "\"mpm\" knows no contact: corners of a point's domain may lie in cells that it does not reach",
+          "take \"gimp\", or switch \"rigid bodies\" off in all stages");
     if (stage.stepping.type == StageType::explicit_)
       check_inertia(stage, input, root.key("rigid bodies"));
+    else
+      check_weight(stage, input, root.key("rigid bodies"));
   }
 }
 } // namespace kedge

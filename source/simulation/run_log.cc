@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
+#include <kedge/output/text_file.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/version.h>
 
@@ -129,7 +130,12 @@ void RunLog::write(const std::string& status)
   summary.warnings = terminal.warnings();
   take_times();
   summary.peak_memory = max_over_ranks(peak_memory(), MPI_COMM_WORLD);
-  if (rank_of(MPI_COMM_WORLD) == 0)
-    write_summary(summary, (std::filesystem::path(options.output_directory) / "summary.json").string());
+  const std::string path = (std::filesystem::path(options.output_directory) / "summary.json").string();
+  fail_together(path, MPI_COMM_WORLD,
+                [&]
+                {
+                  if (rank_of(MPI_COMM_WORLD) == 0)
+                    write_summary(summary, path);
+                });
 }
 } // namespace kedge

@@ -11,6 +11,7 @@
 #include <kedge/particles/splitting.h>
 #include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/checkpoints.h>
+#include <kedge/simulation/doubts.h>
 #include <kedge/simulation/explicit_step.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/moving_window.h>
@@ -51,10 +52,10 @@ private:
   void generate(const RunOptions& options);
   void resume();
   void enter_stage(unsigned int number);
-  void warn_of_sharp_edges();
   void begin_stage(unsigned int number);
   bool run_stage();
   void write_restart_file(const Clock& clock);
+  NewtonReport attempt_step(const Clock& clock);
   void prepare_step();
   void follow_bodies_with_window();
   void move_window_to(const Window<dim>& window);
@@ -84,8 +85,9 @@ private:
 
   std::unique_ptr<TrialStep<dim>> problem; ///< the current step; survives a cut
   StepLoad load;
-  Prediction prediction; ///< for the next step of this stage
-  std::vector<Vector6> reactions;
+  Prediction prediction;          ///< for the next step of this stage
+  std::vector<Vector6> reactions; ///< of the last converged step, as the next
+  std::vector<typename Contact<dim>::Touch> touches;
   bool has_warned_of_window = false;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
   long long deleted = 0, dofs = 0;
@@ -105,7 +107,8 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
       writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD),
       checkpoints(input_.output, options.output_directory)
 {
-  warn_of_sharp_edges();
+  for (const std::string& doubt : find_doubts(input, bodies))
+    log.report().warn(doubt);
   if (options.restart)
     resume();
   else
@@ -114,29 +117,17 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
 
 template <int dim> void Simulation<dim>::generate(const RunOptions& options)
 {
-  if (rank_of(MPI_COMM_WORLD) == 0)
-    write_text_file((std::filesystem::path(options.output_directory) / "input.json").string(), input.effective_json);
+  const std::string copy = (std::filesystem::path(options.output_directory) / "input.json").string();
+  fail_together(copy, MPI_COMM_WORLD,
+                [&]
+                {
+                  if (rank_of(MPI_COMM_WORLD) == 0)
+                    write_text_file(copy, input.effective_json);
+                });
   const auto scope = log.timings().measure("generation");
   generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
   particles.balance_load(mesh, particle_cost);
   particles.load();
-}
-
-template <int dim> void Simulation<dim>::warn_of_sharp_edges()
-{
-  const double particle = mesh.layout().finest_size / input.material_points.points_per_axis;
-  constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
-  std::vector<double> radii;
-  for (const SystemParameters& system : input.systems)
-    for (const SurfaceParameters& surface : system.surfaces)
-      radii.push_back(dim == 3 ? bodies.surfaces[radii.size()].surface.sharpest_edge_radius()
-                               : sharpest_corner_radius(surface.outline));
-  for (std::size_t i = 0; i < radii.size(); ++i)
-    if (const double radius = radii[i]; radius < facets * 0.5 * particle)
-      log.report().warn(
-          fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
-                      "soil may slip past them; round them, as kedge geometry --edge-radius does",
-                      i + 1, radius, 0.5 * particle));
 }
 
 template <int dim> void Simulation<dim>::resume()
@@ -163,7 +154,7 @@ template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
     std::filesystem::create_directories(std::filesystem::path(checkpoints.path()).parent_path(), ignored);
   }
   RunProgress progress{
-      stage_number,         clock.state(),       step, log.steps_in_stage(), deleted + particles.n_lost(),
+      stage_number,         clock.state(),       step, log.steps_in_stage(), deleted, // the writer adds those lost
       has_warned_of_window, log.text_of_stages()};
   write_checkpoint<dim>({mesh, particles, bodies, contact, prediction, progress}, input.effective_json,
                         checkpoints.path());
@@ -226,9 +217,7 @@ template <int dim> bool Simulation<dim>::run_stage()
   resumed.reset();
   while (!clock.at_end())
   {
-    if (!problem)
-      prepare_step();
-    const NewtonReport newton = find_equilibrium(clock);
+    const NewtonReport newton = attempt_step(clock);
     if (newton.converged)
     {
       commit_trial();
@@ -248,7 +237,26 @@ template <int dim> bool Simulation<dim>::run_stage()
     else if (!clock.cut())
       give_up(clock, newton);
   }
+  if (stage_number + 1 < input.stages.size()) // the next one may fail before it has a step to save
+    write_restart_file(clock);
   return true;
+}
+
+/// Gives up where the equations cannot even be set up: a smaller step would meet the same.
+template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock)
+{
+  try
+  {
+    if (!problem)
+      prepare_step();
+    return find_equilibrium(clock);
+  }
+  catch (const SolverError& error)
+  {
+    NewtonReport nothing;
+    nothing.failure = error.what();
+    give_up(clock, nothing);
+  }
 }
 
 /// What a cut step does not repeat.
@@ -343,9 +351,8 @@ template <int dim> void Simulation<dim>::write_output(const Clock& clock, const 
 {
   const auto scope = log.timings().measure("output");
   const double time = clock.steps_done() * step_length(stage->stepping);
-  writer.write_if_due(
-      {particles, mesh, bodies, reactions, contact.touches(), stage_number + 1, step, time, finished_time + time},
-      log.steps_in_stage(), clock.at_end() || even_if_not_due);
+  writer.write_if_due({particles, mesh, bodies, reactions, touches, stage_number + 1, step, time, finished_time + time},
+                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
 }
 
 template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
@@ -367,12 +374,13 @@ template <int dim> void Simulation<dim>::commit_trial()
 {
   const ParticleIncrements increments = problem->particle_increments();
   reactions = problem->reactions();
+  touches = contact.touches();
   problem->move_bodies(bodies);
 
   const auto scope = log.timings().measure("commit");
   if (stage->rigid_bodies)
   {
-    particles.set_contact_gaps(contact.smallest_gaps());
+    particles.set_contact_gaps(contact.smallest_gaps(bodies));
     contact.commit();
   }
   dofs = problem->n_dofs();
@@ -393,13 +401,16 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
   }
   end_stage();
   log.finish("failed: " + newton.failure);
+  const std::string place =
+      fmt::format("stage {}, step {} of {}", stage_number + 1, clock.steps_done() + 1., clock.requested_steps());
+  if (newton.residuals.empty())
+    throw SolverError(fmt::format("{}: {}", place, newton.failure));
   throw SolverError(
       fmt::format(
-          "stage {}, step {} of {}: {} even with a step cut to {:.3g} of the requested one.\n"
+          "{}: {} even with a step cut to {:.3g} of the requested one.\n"
           "Residual over the soil's weight: {}\n"
           "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
-          stage_number + 1, clock.steps_done() + 1., clock.requested_steps(), newton.failure, clock.step_fraction(),
-          format_residuals(newton)),
+          place, newton.failure, clock.step_fraction(), format_residuals(newton)),
       newton.residuals);
 }
 
@@ -413,10 +424,12 @@ template <int dim> void Simulation<dim>::end_stage()
 }
 } // namespace
 
-void check_surfaces(const Input& input) { make_rigid_systems(input.systems, input.dimension); }
-
 bool run_simulation(const Input& input, const RunOptions& options)
 {
+  if (const std::string path = restart_path(input.output, options.output_directory);
+      options.restart && !std::filesystem::exists(path))
+    throw FileError(path, "is not there, so nothing can go on; run without --restart, with \"checkpoint every\" for a "
+                          "restart file, or name the folder of the first run with --output");
   return input.dimension == 2 ? Simulation<2>(input, options).run() : Simulation<3>(input, options).run();
 }
 } // namespace kedge

@@ -104,8 +104,7 @@ void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, c
   const auto scope = scene.timings.measure("contact search");
   const RigidSystems& bodies = scene.bodies;
   double reach = 0.;
-  const auto box = world_bounds(bodies);
-  const double lever = bodies.surfaces.empty() ? 0. : (box[1] - box[0]).norm();
+  const double lever = extent_of_surfaces(bodies, dim);
   for (const RigidPoint& point : bodies.points)
   {
     const bool moves_freely = point.n_free_dofs() > 0;

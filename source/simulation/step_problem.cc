@@ -88,7 +88,7 @@ template <int dim> void StepProblem<dim>::weigh_bodies()
   for (const RigidPoint& point : scene.bodies.points)
     body_weight += point.mass * g;
   if (!scene.bodies.surfaces.empty())
-    body_lever = 0.5 * (world_bounds(scene.bodies)[1] - world_bounds(scene.bodies)[0]).norm();
+    body_lever = 0.5 * extent_of_surfaces(scene.bodies, dim);
 }
 
 template <int dim> RigidStep StepProblem<dim>::rigid_step() const

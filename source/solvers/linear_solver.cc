@@ -274,7 +274,10 @@ void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
   implementation->near_null_space = near_null_space;
   implementation->hierarchy = Teuchos::null;
   implementation->near.reset();
-  if (!places.position.empty() && !implementation->prefers_direct())
+  const int here = !places.position.empty(); // a rank may own no node
+  int anywhere = 0;
+  Teuchos::reduceAll(*matrix->getComm(), Teuchos::REDUCE_MAX, 1, &here, &anywhere);
+  if (anywhere && !implementation->prefers_direct())
     implementation->near = std::make_unique<NearMatrix>(matrix, implementation->block_size, places);
 }
 
@@ -334,7 +337,14 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, con
   list->set("Convergence Tolerance", relative_tolerance);
   list->set("Verbosity", static_cast<int>(Belos::Errors));
   Belos::PseudoBlockCGSolMgr<double, MultiVector, Operator> solver(problem, list);
-  return solver.solve() == Belos::Converged && std::isfinite(x.norm2());
+  try
+  {
+    return solver.solve() == Belos::Converged && std::isfinite(x.norm2());
+  }
+  catch (const Belos::BelosError&) // the matrix is not positive definite to round-off
+  {
+    return false;
+  }
 }
 
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, const unsigned int dim,

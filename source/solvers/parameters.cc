@@ -9,9 +9,10 @@ Section<SolverParameters> solver_section()
 {
   using P = SolverParameters;
   Section<P> section("Newton iterations, linear solver and ghost stabilisation");
-  section.required("tolerance", &P::tolerance, number("-", positive().below(1.)),
-                   "Norm of the residual on the free degrees of freedom, over the weight of the soil (rigid degrees of "
-                   "freedom: of the bodies), at which a step has converged");
+  section.required(
+      "tolerance", &P::tolerance, number("-", positive().below(1.)),
+      "Norm of the residual on the free degrees of freedom, over the norm of the nodal weights of the soil "
+      "(rigid degrees of freedom: over the weight of all bodies), at which a step has converged");
   section.required(
       "max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
       "Newton iterations before a step is cut to half; sooner where half of them, but no fewer than 24, gain nothing");
@@ -22,7 +23,7 @@ Section<SolverParameters> solver_section()
   section.required(
       "ghost factor", &P::ghost_factor, number("1/m2", not_negative()),
       "Scale of the ghost stabilisation of the stiffness; its strength is this times the square of the cell "
-      "size, 0.03 to 1 suits; 0: none");
+      "size, of which 0.03 to 1 bounds the condition number and less may do; 0: none");
   section.required("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
                    "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");
   section.optional("line search", &P::line_search, on_off(),
@@ -34,7 +35,7 @@ Section<SolverParameters> solver_section()
                    "Multigrid-preconditioned GMRES, a factorisation, or whichever suits the size");
   section.optional("reuse", &P::reuse, on_off(),
                    "Keep the preconditioner from one Newton iteration to the next while it still converges");
-  section.optional("minimum step fraction", &P::minimum_step_fraction, number("-", positive().at_most(1.)),
+  section.optional("minimum step fraction", &P::minimum_step_fraction, number("-", Bounds().at_least(1e-9).at_most(1.)),
                    "Smallest share of a step to which it may be cut; the run stops below it");
   return section;
 }

@@ -4,39 +4,65 @@
 
 namespace kedge
 {
-Clock::Clock(const double n_steps, const double minimum_fraction)
-    : ticks_per_step(std::int64_t(1) << std::lround(std::max(0., std::ceil(-std::log2(minimum_fraction))))),
-      end(std::max(1ll, std::llround(ticks_per_step * n_steps))),
-      size(std::min(ticks_per_step, end))
+namespace
 {
+constexpr unsigned int most_patience = 16, patience_growth = 4;
+} // namespace
+
+Clock::Clock(const double n_steps, const double minimum_fraction)
+{
+  now.ticks_per_step = std::int64_t(1) << std::lround(std::max(0., std::ceil(-std::log2(minimum_fraction))));
+  now.limit = now.ticks_per_step;
+  end = std::max(1ll, std::llround(now.ticks_per_step * n_steps));
+  stop_at_requested_steps();
 }
 
 void Clock::resume(const ClockState& state)
 {
-  position = state.position;
-  size = state.size > 0 ? state.size : ticks_per_step; // the other clock was at its end
-  n_cuts = state.cuts;
+  const std::int64_t mine = now.ticks_per_step, finest = std::max(mine, state.ticks_per_step);
+  now = state;
+  now.ticks_per_step = finest;
+  now.position *= finest / state.ticks_per_step;
+  now.limit *= finest / state.ticks_per_step;
+  end *= finest / mine;
+  smallest = finest / mine;
   stop_at_requested_steps();
 }
 
 void Clock::advance()
 {
-  position += size;
-  size *= 2;
+  now.position += size;
+  if (size == now.limit)
+  {
+    ++now.made;
+    if (now.on_trial)
+      now.patience = 1;
+    now.on_trial = false;
+  }
+  if (now.made >= now.patience && now.limit < now.ticks_per_step)
+  {
+    now.limit *= 2;
+    now.made = 0;
+    now.on_trial = true;
+  }
   stop_at_requested_steps();
 }
 
 void Clock::stop_at_requested_steps()
 {
-  size = std::min({size, ticks_per_step - position % ticks_per_step, end - position});
+  size = std::min({now.limit, now.ticks_per_step - now.position % now.ticks_per_step, end - now.position});
 }
 
 bool Clock::cut()
 {
-  if (size <= 1)
+  if (size <= smallest)
     return false;
-  size /= 2;
-  ++n_cuts;
+  if (now.on_trial && size == now.limit)
+    now.patience = std::min(most_patience, patience_growth * now.patience);
+  now.limit = size /= 2;
+  now.made = 0;
+  now.on_trial = false;
+  ++now.cuts;
   return true;
 }
 } // namespace kedge

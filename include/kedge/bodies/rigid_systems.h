@@ -43,6 +43,12 @@ void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>
 
 /// Axis-aligned bounds of all surfaces as they stand, m; empty (min > max) without surfaces.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);
+/// The same of one of them.
+std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const WeldedSurface& welded);
+
+/// Diagonal of these bounds in the axes of the analysis, m; 0 without surfaces. In plane strain the surfaces' extent
+/// across the plane means nothing.
+double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
 
 /// Whether any body's surface, as it stands, is at most `distance` (m) from the closed box between two corners in world
 /// axes; a surface that crosses the box is at distance zero. Exact but for round-off.

@@ -114,13 +114,14 @@ public:
   /// Replaces it; the records may lie on any rank. Collective; call after particles were loaded.
   void import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids);
 
-  /// Smallest gap of a corner of each particle in the last evaluation (m); particles without pairs are missing.
-  std::map<long long, double> smallest_gaps() const;
+  /// Smallest gap of a corner of each particle in the last evaluation (m), `moved` being the bodies at its end;
+  /// infinite beyond a particle's size, and missing for particles without pairs.
+  std::map<long long, double> smallest_gaps(const RigidSystems& moved) const;
   /// Contact points of the last evaluation that press, over all ranks.
   long long n_active() const;
   /// Deepest penetration of the last evaluation, m, over all ranks.
   double deepest_penetration() const;
-  /// Force on the soil (N), position (m) and surface of every pressing corner of this rank, for output.
+  /// Force on the soil (N), position (m) and surface of every corner of this rank that pressed in the last evaluation.
   struct Touch
   {
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();

@@ -43,5 +43,6 @@ private:
   std::string path;
   std::vector<BodyField> fields;
   std::ofstream file;
+  std::string kept_names; ///< of an earlier run, until they were compared with this one's
 };
 } // namespace kedge

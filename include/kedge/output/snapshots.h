@@ -36,6 +36,7 @@ public:
   /// After a restart: keeps the lists and rows of the earlier run up to and including `step`.
   void resume_after(unsigned int step);
   void begin_stage(unsigned int n_steps);
+  /// Nothing is written twice: neither what this run wrote nor what the earlier one of a restart had reached.
   void write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
 
 private:
@@ -54,7 +55,8 @@ private:
   std::vector<ParticleField> vtk_particle_fields, csv_particle_fields;
   std::vector<BodyField> vtk_body_fields;
   BodyHistory history;
-  std::map<std::string, PvdSeries> series_lists; ///< by the start of the files' names
-  std::optional<unsigned int> resumed;           ///< last step of the earlier run that counts
+  std::map<std::string, PvdSeries> series_lists;  ///< by the start of the files' names
+  std::optional<unsigned int> resumed;            ///< last step of the earlier run that counts
+  std::optional<unsigned int> vtk_step, csv_step; ///< that were written last
 };
 } // namespace kedge

@@ -7,6 +7,9 @@
 
 namespace kedge
 {
+/// The restart file of a run whose output lands below `output_directory`.
+std::string restart_path(const OutputParameters& parameters, const std::string& output_directory);
+
 /// Counts steps or wall time since the last restart file, and listens for SIGTERM while files are wanted.
 class CheckpointSchedule
 {

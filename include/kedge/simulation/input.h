@@ -37,7 +37,6 @@ struct Input
   bool gpu = false;
   unsigned int dimension = 3;
   Basis basis = Basis::gimp;
-  double domain_size = 0.;         ///< lower bound of the grid's side, m
   std::array<double, 3> gravity{}; ///< m/s2; in 2-D [x, z]
   MaterialPointParameters material_points;
   std::vector<SystemParameters> systems;

@@ -15,9 +15,6 @@ struct RunOptions
   bool restart = false; ///< go on from the restart file in the output folder
 };
 
-/// Reads every surface of the input. Throws InputError where one is not closed, inverted or crosses itself.
-void check_surfaces(const Input& input);
-
 /// Runs all stages; false where SIGTERM ended it after a step, with a restart file written. Throws SolverError where a
 /// step fails at its smallest size (the state reached is written first, also as a restart file) and FileError where
 /// output cannot be written. Collective.

@@ -24,6 +24,15 @@ public:
   }
 };
 
+/// Over all ranks, those that are `expected`.
+long long count_gaps(const std::map<long long, double>& gaps, const double expected)
+{
+  const long long here =
+      std::count_if(gaps.begin(), gaps.end(),
+                    [&](const auto& particle_and_gap) { return std::abs(particle_and_gap.second - expected) < 1e-12; });
+  return sum_over_ranks(here, MPI_COMM_WORLD);
+}
+
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(PressedBox, Dimensions, test::DimensionName);
 } // namespace
@@ -298,17 +307,16 @@ TYPED_TEST(PressedBox, TellsEachParticlesSmallestGap)
   typename TestFixture::Block block(0., 1e-3);
   block.find_pairs();
   block.evaluate_at_rest();
-  const auto gaps = block.contact.smallest_gaps();
-  long long touching = 0;
-  for (const auto& [id, gap] : gaps)
-  {
-    if (gap < 0.)
-    {
-      EXPECT_NEAR(gap, -1e-3, 1e-12);
-      ++touching;
-    }
-  }
-  EXPECT_EQ(sum_over_ranks(touching, MPI_COMM_WORLD), TypeParam::value == 3 ? 36 : 6);
+  EXPECT_EQ(count_gaps(block.contact.smallest_gaps(block.bodies), -1e-3), TypeParam::value == 3 ? 36 : 6);
+}
+
+TYPED_TEST(PressedBox, TellsGapsOfParticlesThatDoNotTouch)
+{
+  typename TestFixture::Block block(0., -1e-3);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_EQ(block.contact.n_active(), 0);
+  EXPECT_EQ(count_gaps(block.contact.smallest_gaps(block.bodies), 1e-3), TypeParam::value == 3 ? 36 : 6);
 }
 
 TYPED_TEST(PressedBox, CornersHangOnActiveNodesOnly)

@@ -83,7 +83,7 @@ template <int dim> struct Interrupted : test::SoilBlock<dim>
     for (const auto& x : this->mesh.leaves().node_position)
       for (unsigned int d = 0; d < dim; ++d)
         prediction.push_back(test::noise_at(x, dim, d));
-    progress = {2, {12345, 64, 3}, 77, 15, 4, true, "a {\"summary\"} with umlauts: ä"};
+    progress = {2, {4096, 12345, 64, 3, 2, 4, true}, 77, 15, 4, true, "a {\"summary\"} with umlauts: ä"};
   }
 
   RunState<dim> state() { return {this->mesh, this->particles, bodies, contact, prediction, progress}; }
@@ -268,9 +268,13 @@ TYPED_TEST(Checkpoint, ProgressIsKept)
   read_checkpoint(restored.state(), input, this->file, particle_cost);
   const RunProgress& progress = restored.progress;
   EXPECT_EQ(progress.stage, 2u);
+  EXPECT_EQ(progress.clock.ticks_per_step, 4096);
   EXPECT_EQ(progress.clock.position, 12345);
-  EXPECT_EQ(progress.clock.size, 64);
+  EXPECT_EQ(progress.clock.limit, 64);
   EXPECT_EQ(progress.clock.cuts, 3u);
+  EXPECT_EQ(progress.clock.made, 2u);
+  EXPECT_EQ(progress.clock.patience, 4u);
+  EXPECT_TRUE(progress.clock.on_trial);
   EXPECT_EQ(progress.step, 77u);
   EXPECT_EQ(progress.steps_in_stage, 15u);
   EXPECT_EQ(progress.deleted, 4);

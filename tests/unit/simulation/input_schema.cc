@@ -13,8 +13,8 @@ namespace
 /// The sections of doc/input-format, with every key that it lists.
 const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
     {"",
-     {"GPU", "comment", "dimension", "basis", "domain update", "domain", "material points", "rigid bodies", "contact",
-      "analysis", "solver", "output"}},
+     {"$schema", "GPU", "comment", "dimension", "basis", "domain update", "domain", "material points", "rigid bodies",
+      "contact", "analysis", "solver", "output"}},
     {"domain", {"size", "gravity"}},
     {"material points",
      {"extra capacity", "element size", "number of material points per element 1", "material size", "layers", "F-bar",

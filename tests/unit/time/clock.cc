@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <kedge/time/clock.h>
 #include <random>
+#include <vector>
 
 using namespace kedge;
 
@@ -41,6 +42,43 @@ TEST(Clock, DoublesAfterASuccessUpToTheRequestedSize)
   EXPECT_EQ(clock.step_fraction(), 0.5);
   clock.advance(); // at 7/8
   EXPECT_EQ(clock.step_fraction(), 0.125);
+}
+
+TEST(Clock, WaitsLongerWhereTheLargerStepFailsAgain)
+{
+  Clock clock(100, 1. / 4096.);
+  std::vector<double> failed_at;
+  while (!clock.at_end())
+    if (clock.step_fraction() < 1.)
+      clock.advance();
+    else
+    {
+      failed_at.push_back(clock.steps_done());
+      ASSERT_TRUE(clock.cut());
+    }
+  ASSERT_GE(failed_at.size(), 4u);
+  EXPECT_EQ(failed_at[1], 1.);
+  EXPECT_EQ(failed_at[2], 3.); // four halves
+  EXPECT_EQ(failed_at[3], 11.);
+  EXPECT_EQ(failed_at.back() - failed_at[failed_at.size() - 2], 8.); // no longer
+  EXPECT_EQ(failed_at.size(), clock.cuts());
+}
+
+TEST(Clock, IsPatientNoLongerOnceALargerStepSucceeds)
+{
+  Clock clock(100, 1. / 4096.);
+  const auto advance_to = [&](const double position)
+  {
+    while (clock.steps_done() < position)
+      clock.advance();
+  };
+  clock.cut();
+  advance_to(1.);
+  clock.cut(); // again: four halves
+  advance_to(4.);
+  clock.cut();
+  advance_to(5.);
+  EXPECT_EQ(clock.step_fraction(), 1.);
 }
 
 TEST(Clock, NeverStepsAcrossARequestedStep)
@@ -101,6 +139,8 @@ TEST(Clock, ResumesWhereAnotherStopped)
   clock.cut();
   clock.cut();
   clock.advance(); // the next step is half a requested one
+  clock.cut();     // which fails
+  clock.advance();
   Clock resumed(3, 1. / 4096.);
   resumed.resume(clock.state());
   for (; !clock.at_end(); clock.advance(), resumed.advance())
@@ -109,7 +149,7 @@ TEST(Clock, ResumesWhereAnotherStopped)
     EXPECT_EQ(resumed.step_fraction(), clock.step_fraction());
   }
   EXPECT_TRUE(resumed.at_end());
-  EXPECT_EQ(resumed.cuts(), 2u);
+  EXPECT_EQ(resumed.cuts(), 3u);
 }
 
 TEST(Clock, GoesOnBeyondTheEndOfAShorterStage)
@@ -126,4 +166,27 @@ TEST(Clock, GoesOnBeyondTheEndOfAShorterStage)
   EXPECT_EQ(longer.step_fraction(), 1.);
   longer.advance();
   EXPECT_TRUE(longer.at_end());
+}
+
+TEST(Clock, GoesOnWithAnotherSmallestStep)
+{
+  for (const double fraction : {1. / 64., 1. / 4096., 1. / 65536.})
+  {
+    Clock clock(10, 1. / 4096.);
+    clock.advance();
+    clock.cut();
+    clock.cut();
+    clock.advance(); // at 1.25, the next step is half a requested one
+    Clock resumed(10, fraction);
+    resumed.resume(clock.state());
+    EXPECT_EQ(resumed.steps_done(), 1.25);
+    EXPECT_EQ(resumed.requested_steps(), 10.);
+    EXPECT_EQ(resumed.step_fraction(), 0.5);
+    while (resumed.cut())
+      ;
+    EXPECT_EQ(resumed.step_fraction(), fraction);
+    while (!resumed.at_end())
+      resumed.advance();
+    EXPECT_EQ(resumed.steps_done(), 10.);
+  }
 }

@@ -1,0 +1,14 @@
+// What an input may say but hardly means.
+#pragma once
+
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/simulation/input.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+/// Warnings for a scene as it begins: edges that soil may slip past, bodies and fine boxes where there is no grid, and
+/// base cells that are smaller than asked for.
+std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies);
+} // namespace kedge

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <fmt/format.h>
+#include <kedge/simulation/doubts.h>
+#include <kedge/simulation/layout.h>
+
+namespace kedge
+{
+namespace
+{
+constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
+constexpr double round_off = 1e-9;
+constexpr double much_smaller = 0.75;
+
+std::string find_sharp_edge(const std::size_t number, const double radius, const double particle)
+{
+  if (radius >= facets * 0.5 * particle)
+    return "";
+  return fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
+                     "soil may slip past them; take finer cells there, or round them as kedge geometry --edge-radius "
+                     "does for plates and frusta",
+                     number, radius, 0.5 * particle);
+}
+
+/// Of a box in world axes that shares nothing with the ground plan of the grid, or in `upwards` axes neither with its
+/// height.
+template <int dim>
+bool lies_beside(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper, const GridLayout<dim>& grid,
+                 const bool upwards)
+{
+  for (int d = 0; d < (upwards ? dim : dim - 1); ++d)
+  {
+    const int axis = d == dim - 1 ? 2 : d; // plane strain is in the plane y = 0
+    if (upper[axis] < -round_off || lower[axis] > grid.extent(d) + round_off)
+      return true;
+  }
+  return false;
+}
+
+template <int dim> std::string text_of(const GridLayout<dim>& grid)
+{
+  std::string text;
+  for (int d = 0; d < dim; ++d)
+    text += fmt::format("{}{:.4g}", d == 0 ? "" : " x ", grid.extent(d));
+  return text + " m from the origin";
+}
+
+template <int dim> std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+{
+  const GridLayout<dim> grid = make_grid_layout<dim>(input);
+  const double particle = grid.finest_size / input.material_points.points_per_axis;
+  std::vector<std::string> doubts;
+  if (grid.base_size < much_smaller * input.material_points.element_size)
+    doubts.push_back(
+        fmt::format("cells of {:.4g} m where {:.4g} m was asked for: halved again and again they must meet "
+                    "the smallest size in any stage, {:.4g} m",
+                    grid.base_size, input.material_points.element_size, grid.finest_size));
+  const bool any_contact =
+      std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; });
+  std::size_t number = 0;
+  for (const SystemParameters& system : any_contact ? input.systems : std::vector<SystemParameters>())
+    for (const SurfaceParameters& parameters : system.surfaces)
+    {
+      const WeldedSurface& welded = bodies.surfaces[number++];
+      const double radius =
+          dim == 3 ? welded.surface.sharpest_edge_radius() : sharpest_corner_radius(parameters.outline);
+      if (const std::string doubt = find_sharp_edge(number, radius, particle); !doubt.empty())
+        doubts.push_back(doubt);
+      const auto box = world_bounds(bodies, welded);
+      if (lies_beside<dim>(box[0], box[1], grid, false)) // its height may be found by placing it on the soil
+        doubts.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",
+                                     number, text_of<dim>(grid)));
+    }
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+    for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
+    {
+      Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();
+      for (int d = 0; d < dim; ++d)
+      {
+        lower[d == dim - 1 ? 2 : d] = box.min[d];
+        upper[d == dim - 1 ? 2 : d] = box.max[d];
+      }
+      if (lies_beside<dim>(lower, upper, grid, true))
+        doubts.push_back(fmt::format("a box of fine cells in stage {} lies outside the grid, which reaches {}", i + 1,
+                                     text_of<dim>(grid)));
+    }
+  return doubts;
+}
+} // namespace
+
+std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+{
+  return input.dimension == 2 ? find_doubts<2>(input, bodies) : find_doubts<3>(input, bodies);
+}
+} // namespace kedge
