@@ -13,6 +13,7 @@ import records  # noqa: E402
 from cases import STATIC_STEP, WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
 from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola  # noqa: E402
+from limits import LAST  # noqa: E402
 from records import MOVED, mean_between  # noqa: E402
 from sections import draw_sections  # noqa: E402
 
@@ -30,7 +31,7 @@ class Result:
     def __post_init__(self):
         self.displacement = np.array(self.record["displacement"])
         self.pressure = np.array(self.record["force"]) / self.case.area
-        self.at_end = mean_between(self.displacement, self.pressure, self.displacement.max() - 0.01)
+        self.at_end = mean_between(self.displacement, self.pressure, self.displacement.max() - LAST)
         try:
             self.fit = fit_hyperbola(self.displacement, self.pressure)
         except PlotError:
@@ -64,7 +65,7 @@ def write(parts, work, target, kept):
             if part in _LIMITS:
                 text += "\n" + _over_parameter(results, *_LIMITS[part], chart)
             else:
-                _draw_curves(results, part, chart)
+                (_draw_resolution if part == "resolution" else _draw_curves)(results, part, chart)
                 text += "\n" + _TEXTS[part](results) + f"\n![Resistance over displacement]({chart.name})\n"
         if part == "shapes" and results:
             text += "\n" + _sections(results, target)
@@ -121,7 +122,7 @@ def _mobilised(results):
 
 Area inside the line of {100. * MOVED:.0f} % of the plate's way, plate included, in front of the plate's back face and behind it, and the
 mobilisation factor: the difference of the two over the area of the plate, over the same ratio of the thin square plate. In
-brackets what the paper prints, in mm²: less than a hundredth of the plate's own area, so that cm² must be meant, and the horizontal
+brackets what the paper prints, in mm²: a few hundredths of the plate's own area, so that cm² must be meant, and the horizontal
 ones of the half model, as here.
 
 """
@@ -149,7 +150,7 @@ def _sections(results, target):
     """Stress and displacement of the runs that are there; the pictures of earlier ones stay."""
     text = "### Stress and displacement (figures 8 to 10)\n\n"
     runs = [(result.case, result.run) for result in _by_analysis(results)[0][1] if result.run]
-    for name, caption in (("stress", "Horizontal stress σxx in the horizontal section, line at 5 kPa"),
+    for name, caption in (("stress", "Horizontal pressure −σxx in the horizontal section, line at 5 kPa of its mean over 15 mm"),
                           ("displacement", "Displacement in the horizontal (left) and vertical section, line at 5 mm")):
         path = target / f"plate-anchors-{name}.png"
         if runs:
@@ -159,22 +160,19 @@ def _sections(results, target):
     return text
 
 
-def _resolution(results):
-    """With the mean over ways that all have gone beside those of the whole way."""
-    way = min(result.case.distance for result in results)
-    rows = []
-    for result in results:
-        case = result.case
-        mesh = f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}"
-        same_way = mean_between(result.displacement, result.pressure, way - 0.01, way)
-        fit, at_end, *others = _common(result)
-        rows.append([mesh, f"{1e3 * case.distance:g}", fit, at_end, f"{1e-3 * same_way:.1f}", *others, f"{result.record['cuts']}"])
-    return """## Resolution
-
-Cells at the plate's surface, around it or its way, and beyond. In explicit dynamics cells of 20 mm beyond begin 80 mm from the plate.
-
-""" + _table(["shape, analysis, cells at the plate, around it, beyond / mm", "way / mm", *COMMON[:2],
-              f"{1e3 * way - 10.:g} to {1e3 * way:g} mm / kPa", *COMMON[2:], "cuts"], rows)
+def _over_ways(title, name, of, note="", columns=()):
+    """A row per run, with the mean over the end of the way that all have gone beside those of each run's own."""
+    def text(results):
+        way = min(result.case.distance for result in results)
+        rows = []
+        for result in results:
+            fit, at_end, *others = _common(result)
+            same_way = mean_between(result.displacement, result.pressure, way - LAST, way)
+            rows.append([of(result.case), f"{1e3 * result.case.distance:g}", fit, at_end, f"{1e-3 * same_way:.1f}", *others,
+                         *(show(result) for _, show in columns)])
+        return f"## {title}\n\n{note}" + _table([name, "way / mm", *COMMON[:2], f"{1e3 * (way - LAST):g} to {1e3 * way:g} mm / kPa",
+                                                 *COMMON[2:], *(head for head, _ in columns)], rows)
+    return text
 
 
 def _octree(results):
@@ -213,7 +211,7 @@ def _over_parameter(results, title, name, of, note, chart):
     found = limits.Limits(results, of)
     limits.draw(found, name, chart)
     head, rows = limits.rows(found)
-    note += (f"Static equilibrium, cells of 10 mm at the plate and along its way; means from {1e3 * (found.way - limits.LAST):g} to "
+    note += (f"Static equilibrium, cells of 10 mm at the plate and along its way; means from {1e3 * (found.way - LAST):g} to "
              f"{1e3 * found.way:g} mm; the wall time is that of all shapes.\n\n")
     return f"## {title}\n\n{note}" + _table([name, *head], rows) + f"\n![{title}]({chart.name})\n"
 
@@ -228,8 +226,11 @@ def _per_overburden(result):
 
 _TEXTS = {
     "shapes": _shapes,
-    "resolution": _resolution,
-    "rate": _variation("Loading rate (figure 6)", "velocity, mass scaling",
+    "resolution": _over_ways("Resolution", "shape, analysis, cells at the plate, around it, beyond / mm",
+                             lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}",
+                             "Cells at the plate's surface, around it or its way, and beyond. In explicit dynamics cells of 20 mm beyond begin "
+                             "80 mm from the plate.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
+    "rate": _over_ways("Loading rate (figure 6)", "velocity, mass scaling",
                        lambda case: "static" if case.analysis == "static" else
                        f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
@@ -253,16 +254,48 @@ _LIMITS = {
 }
 
 
+_NAMES = {"cell": ("cells at the plate", 1e3, "mm"), "around": ("around it", 1e3, "mm"), "reach": ("up to", 1e3, "mm"),
+          "base": ("beyond", 1e3, "mm"), "depth": ("depth", 1., "m"), "half_width": ("half width", 1., "m"), "velocity": ("", 1e3, "mm/s"),
+          "mass_scaling": ("mass scaling", 1., ""), "young": ("E", 1e-6, "MPa"), "dilation_angle": ("ψ", 1., "°"),
+          "roughness": ("tan δ / tan φ", 1., "")}
+_DYNAMIC = ("velocity", "mass_scaling")  # mean nothing in static equilibrium
+
+
 def _label(case, cases):
     """What tells a case from the others of its part."""
     fields = [field.name for field in dataclasses.fields(case) if len({getattr(other, field.name) for other in cases}) > 1]
-    values = [(name.replace("_", " "), getattr(case, name)) for name in fields]
-    said = [name if value is True else value if isinstance(value, str) else f"{name} {value}" for name, value in values if value is not False]
+    said = []
+    for name in (name for name in fields if name not in ("ahead", "distance")):  # the analysis and the curve's length say it
+        value = getattr(case, name)
+        if isinstance(value, bool):
+            said += [name] if value else []
+        elif isinstance(value, str):
+            said.append(value)
+        elif case.analysis != "static" or name not in _DYNAMIC:
+            text, factor, unit = _NAMES.get(name, (name.replace("_", " "), 1., ""))
+            said.append(f"{text} {factor * value:g} {unit}".strip())
     return ", ".join(said) or case.name
 
 
+def _draw_resolution(results, _, path):
+    """A panel per shape."""
+    shapes = list(dict.fromkeys(result.case.shape for result in results))
+    figure, panels = plt.subplots((len(shapes) + 1) // 2, 2, figsize=(10, 3.6 * ((len(shapes) + 1) // 2)), squeeze=False, layout="constrained")
+    for panel, shape in zip(panels.flat, shapes):
+        for result in (result for result in results if result.case.shape == shape):
+            case = result.case
+            panel.plot(1e3 * result.displacement, 1e-3 * result.pressure, linestyle=":" if case.analysis == "explicit" else "-",
+                       color=f"C{(0.02, 0.01, 0.005).index(case.cell) + (3 if case.base < 0.04 else 0)}",
+                       label=f"{case.analysis}, {1e3 * case.cell:g} mm" + (f", beyond {1e3 * case.base:g} mm" if case.base < 0.04 else ""))
+        panel.axhline(1e-3 * REFERENCE["shapes"][shape]["laboratory"], color="0.4", linestyle="--", linewidth=0.8, label="laboratory")
+        panel.set(title=shape, xlim=(0., None), ylim=(0., None), xlabel="displacement / mm", ylabel="resistance / kPa")
+        panel.legend(fontsize=7, loc="lower right")
+    figure.savefig(path, dpi=90, metadata={"Software": None})
+    plt.close(figure)
+
+
 def _draw_curves(results, part, path):
-    figure, axes = plt.subplots(figsize=(7, 4.4))
+    figure, axes = plt.subplots(figsize=(9, 4.4))
     cases = [result.case for result in results]
     shapes = list(dict.fromkeys(case.shape for case in cases))
     for number, result in enumerate(results):
@@ -278,7 +311,7 @@ def _draw_curves(results, part, path):
     axes.set_ylim(bottom=0.)
     axes.set_xlabel("displacement / mm")
     axes.set_ylabel("resistance / kPa")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.))
     figure.tight_layout()
     figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)

@@ -8,13 +8,14 @@ from matplotlib.tri import Triangulation
 
 WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
 LONGEST_EDGE = 0.05  # m, of the triangles between material points that a contour line may cross
-KINDS = {"stress": ("stress_xx", "−σxx (compression) / kPa", -1e-3, 5., (0., 25.), "z"),
-         "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy")}
+SMOOTHED = 0.015  # m: stresses of points oscillate from one to the next, their means over this radius do not
+KINDS = {"stress": ("stress_xx", "−σxx (compression) / kPa", -1e-3, 5., (0., 40.), "z", SMOOTHED),
+         "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy", 0.)}
 
 
 def draw_sections(runs, kind, path):
     """One row per (case, run), one column per section."""
-    field, label, factor, line, limits, planes = KINDS[kind]
+    field, label, factor, line, limits, planes, radius = KINDS[kind]
     shape = (len(runs), 1) if len(planes) > 1 else ((len(runs) + 1) // 2, 2)
     columns = len(planes) * shape[1]
     figure, axes = plt.subplots(shape[0], columns, figsize=(5.2 * columns, 2.2 * shape[0] * (1.2 if len(planes) > 1 else 1.)),
@@ -23,7 +24,7 @@ def draw_sections(runs, kind, path):
         grids, step = run.soil()
         for panel, plane in zip(place, planes):
             at = case.height if plane == "z" else 0.
-            boxes = _draw(panel, cut(grids, run.surface(step), plane, at, field), factor, line, limits, WINDOW[plane])
+            boxes = _draw(panel, cut(grids, run.surface(step), plane, at, field), factor, line, limits, WINDOW[plane], radius)
             panel.set_title(f"{case.shape}, {plane} = {at:g} m", fontsize=9)
     for panel in axes.flat[len(runs) * len(planes):]:
         panel.set_axis_off()
@@ -32,13 +33,20 @@ def draw_sections(runs, kind, path):
     plt.close(figure)
 
 
-def _draw(axes, section, factor, line, limits, window):
+def _draw(axes, section, factor, line, limits, window, radius):
     boxes = add_soil(axes, section, factor, limits)
     axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1.))
     centre = (section.lower + section.upper) / 2.
     triangles = Triangulation(*centre.T)
     edges = centre[triangles.triangles] - np.roll(centre[triangles.triangles], 1, axis=1)
     triangles.set_mask(np.linalg.norm(edges, axis=2).max(axis=1) > LONGEST_EDGE)
-    axes.tricontour(triangles, factor * section.values, [line], colors="r", linewidths=1.)
+    axes.tricontour(triangles, factor * _mean_within(radius, centre, section.values), [line], colors="r", linewidths=1.)
     axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel=f"{section.axes[0]} / m", ylabel=f"{section.axes[1]} / m")
     return boxes
+
+
+def _mean_within(radius, centre, values):
+    """Mean of the values of all points within a radius (m) of each."""
+    if not radius:
+        return values
+    return np.array([values[np.hypot(*(centre - x).T) < radius].mean() for x in centre])

@@ -202,7 +202,8 @@ std::vector<StageEstimate> estimate_cost(const Input& input, const double most_p
 
 std::string format_estimate(const Input& input, const std::vector<StageEstimate>& stages)
 {
-  std::string text = "stage        steps     cells      dofs    points    memory   rough time on one core\n";
+  std::string text = "What each stage begins with; moving bodies and windows may need several times as much later.\n"
+                     "stage        steps     cells      dofs    points    memory   rough time on one core\n";
   for (std::size_t i = 0; i < stages.size(); ++i)
   {
     const StageEstimate& stage = stages[i];

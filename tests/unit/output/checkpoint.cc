@@ -391,6 +391,19 @@ TYPED_TEST(Checkpoint, TheLastStageMayEndLaterThanItWasToButNotEarlier)
   EXPECT_THROW(this->read(until("2.0", "3.0")), InputError);
 }
 
+TYPED_TEST(Checkpoint, AnExplicitStageMayEndLaterOnlyIfItsStepsStayAsLong)
+{
+  const auto until = [](const char* last, const char* step)
+  {
+    return std::string(R"({"analysis": [{"type": "explicit", "final time": )") + last + R"(, "basis step": )" + step +
+           "}]}";
+  };
+  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("3.0", "0.01"), this->file);
+  EXPECT_NO_THROW(this->read(until("19.0", "0.01")));
+  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("3.0", "\"auto\""), this->file);
+  EXPECT_THROW(this->read(until("19.0", "\"auto\"")), InputError);
+}
+
 TYPED_TEST(Checkpoint, ReplacesTheFileAndLeavesNoDraft)
 {
   if (rank_of(MPI_COMM_WORLD) == 0)

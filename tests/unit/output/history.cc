@@ -140,6 +140,16 @@ TEST(BodyCsv, RestartWithoutTableStartsOne)
   EXPECT_EQ(read_text_file(folder / own("rigid_body.csv")), "time,stage,step\n0.25,1,4\n");
 }
 
+TEST(BodyCsv, RestartWithOtherColumnsIsRefused)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / own("rigid_body.csv");
+  write_text_file(path, "time,body1_mass,body2_mass,stage,step\n0.1,5,6,1,2\n");
+  BodyHistory history(path, select_body_fields({"position"}));
+  history.resume_after(2);
+  EXPECT_THROW(history.append(two_points(), {}, 0.25, 1, 3), FileError);
+}
+
 TEST(BodyCsv, UnwritableFileIsNamed)
 {
   BodyHistory history("/no such folder/rigid_body.csv", {});

@@ -183,6 +183,34 @@ TEST(OutputWriter, RestartContinuesListsAndTable)
   EXPECT_EQ(steps, std::vector<std::string>({"step", "2", "3", "4"}));
 }
 
+TEST(OutputWriter, WritesNoStepTwice)
+{
+  const TemporaryFolder folder;
+  Scene<3> scene;
+  add_body(scene);
+  OutputParameters parameters = everything();
+  parameters.vtk.percent = 50.;
+  parameters.csv.body_fields = {"mass"};
+  const auto count_rows = [&]
+  {
+    const std::string text = read_text_file(folder / "csv/deep/rigid_body.csv");
+    return std::count(text.begin(), text.end(), '\n') - 1;
+  };
+  {
+    OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+    writer.begin_stage(4);
+    writer.write_if_due(scene.state(2), 1, false); // a row of the table alone
+    writer.write_if_due(scene.state(2), 1, true);  // the run fails in its next step: the rest of the same
+  }
+  EXPECT_EQ(count_rows(), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder / "vtk/body.pvd"));
+  OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+  writer.resume_after(2);
+  writer.begin_stage(4);
+  writer.write_if_due(scene.state(2), 1, true); // the next step has failed again
+  EXPECT_EQ(count_rows(), 1);
+}
+
 TEST(OutputWriter, FolderThatCannotBeMadeFailsOnEveryRank)
 {
   EXPECT_THROW(OutputWriter<3>(everything(), "/proc/no such place", 1, MPI_COMM_WORLD), FileError);
