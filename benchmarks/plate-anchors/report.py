@@ -234,6 +234,8 @@ _TEXTS = {
                        lambda case: "static" if case.analysis == "static" else
                        f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
+    "group": _variation("Group effect (figure 11)", "spacing / B", lambda case: f"{2. * case.half_width / WIDTH:g}",
+                        "One of a row of plates, whose spacing is the box's width.\n\n"),
     "dilatancy": _variation("Dilatancy", "angle / °", lambda case: f"{case.dilation_angle:g}"),
     "interface": _variation("Friction of plate and sand", "tan δ / tan φ", lambda case: f"{case.roughness:g}"),
     "embedment": _variation("Embedment", "depth of the axis / B", lambda case: f"{case.depth / WIDTH:g}" + (", strip" if 2. * case.half_width < WIDTH else ""),
@@ -249,8 +251,6 @@ _TEXTS = {
 _LIMITS = {
     "friction": ("Friction angle (figure 12)", "friction angle / °", lambda case: case.friction_angle,
                  "The plate's friction is the tangent of the same angle. "),
-    "group": ("Group effect (figure 11)", "spacing / B", lambda case: round(2. * case.half_width / WIDTH, 6),
-              "One of a row of plates, whose spacing is the box's width. "),
 }
 
 
