@@ -1,8 +1,5 @@
 """The resistance of several shapes over one parameter: tables and charts as the authors' figures 11 and 12."""
 import matplotlib.pyplot as plt
-from records import mean_between
-
-LAST = 0.01  # m, that the mean is taken over
 
 
 class Limits:
@@ -17,7 +14,7 @@ class Limits:
     def at(self, parameter, shape):
         """None where there is no such run."""
         result = self._results.get((parameter, shape))
-        return result and mean_between(result.displacement, result.pressure, self.way - LAST, self.way)
+        return result and result.mean_up_to(self.way)
 
     def curve(self, shape):
         """Parameters and resistances of the runs that are there."""

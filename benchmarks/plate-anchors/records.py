@@ -9,6 +9,7 @@ from kedge_plot.run import Run
 from kedge_plot.section import cut
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
+LAST = 0.01  # m of a way, that mean resistances are taken over
 MOVED = 0.1  # of the plate's own displacement: what counts as mobilised soil
 PIXEL = 0.001  # m, of the raster that areas are counted on
 COUNTS = ("cells", "dofs", "material points", "time steps", "cuts", "deepest penetration")

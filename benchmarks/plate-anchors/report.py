@@ -13,8 +13,7 @@ import records  # noqa: E402
 from cases import STATIC_STEP, WEIGHT, WIDTH, broms_square, limit_strip, rankine_strip, teng_square  # noqa: E402
 from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola  # noqa: E402
-from limits import LAST  # noqa: E402
-from records import MOVED, mean_between  # noqa: E402
+from records import LAST, MOVED, mean_between  # noqa: E402
 from sections import draw_sections  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -31,11 +30,15 @@ class Result:
     def __post_init__(self):
         self.displacement = np.array(self.record["displacement"])
         self.pressure = np.array(self.record["force"]) / self.case.area
-        self.at_end = mean_between(self.displacement, self.pressure, self.displacement.max() - LAST)
+        self.at_end = self.mean_up_to(self.displacement.max())
         try:
             self.fit = fit_hyperbola(self.displacement, self.pressure)
         except PlotError:
             self.fit = None
+
+    def mean_up_to(self, way):
+        """Over the last 10 mm of a way (m)."""
+        return mean_between(self.displacement, self.pressure, way - LAST, way)
 
 
 def find_results(cases, work, kept):
@@ -167,8 +170,7 @@ def _over_ways(title, name, of, note="", columns=()):
         rows = []
         for result in results:
             fit, at_end, *others = _common(result)
-            same_way = mean_between(result.displacement, result.pressure, way - LAST, way)
-            rows.append([of(result.case), f"{1e3 * result.case.distance:g}", fit, at_end, f"{1e-3 * same_way:.1f}", *others,
+            rows.append([of(result.case), f"{1e3 * result.case.distance:g}", fit, at_end, f"{1e-3 * result.mean_up_to(way):.1f}", *others,
                          *(show(result) for _, show in columns)])
         return f"## {title}\n\n{note}" + _table([name, "way / mm", *COMMON[:2], f"{1e3 * (way - LAST):g} to {1e3 * way:g} mm / kPa",
                                                  *COMMON[2:], *(head for head, _ in columns)], rows)

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <kedge/base/communication.h>
 #include <kedge/basis/active_nodes.h>
+#include <kedge/bodies/world_axes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
 #include <unordered_set>
@@ -21,12 +22,6 @@ template <int dim> Eigen::Vector3d to_world(const std::array<double, dim>& x)
 {
   // plane strain happens in the plane y = 0
   return dim == 3 ? Eigen::Vector3d(x[0], x[1], x[dim - 1]) : Eigen::Vector3d(x[0], 0., x[1]);
-}
-
-/// Row of the world vector that a nodal component belongs to.
-template <int dim> constexpr unsigned int world_axis(const unsigned int component)
-{
-  return dim == 2 && component == 1 ? 2 : component;
 }
 
 double stiffest(const ContactStiffness& stiffness) { return std::max(stiffness.normal, stiffness.tangential); }
@@ -188,7 +183,7 @@ Eigen::Vector3d Contact<dim>::corner_displacement(const Pair& pair, const double
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
   for (unsigned int v = points.begin[pair.point]; v < points.begin[pair.point + 1]; ++v)
     for (unsigned int d = 0; d < dim; ++d)
-      u[world_axis<dim>(d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
+      u[world_axis(dim, d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
   return u;
 }
 
@@ -250,9 +245,9 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     touching.push_back({pair.position, pair.force, pair.key.surface});
     for (unsigned int i = 0; i < dim; ++i)
     {
-      points.force[3 * pair.point + i] += response.force[world_axis<dim>(i)];
+      points.force[3 * pair.point + i] += response.force[world_axis(dim, i)];
       for (unsigned int j = 0; j < dim; ++j)
-        points.tangent[9 * pair.point + 3 * i + j] += response.tangent(world_axis<dim>(i), world_axis<dim>(j));
+        points.tangent[9 * pair.point + 3 * i + j] += response.tangent(world_axis(dim, i), world_axis(dim, j));
     }
   }
   return points;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
+#include <kedge/bodies/world_axes.h>
 #include <kedge/simulation/doubts.h>
 #include <kedge/simulation/layout.h>
 
@@ -29,7 +30,7 @@ bool lies_beside(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper, con
 {
   for (int d = 0; d < (upwards ? dim : dim - 1); ++d)
   {
-    const int axis = d == dim - 1 ? 2 : d; // plane strain is in the plane y = 0
+    const unsigned int axis = world_axis(dim, d);
     if (upper[axis] < -round_off || lower[axis] > grid.extent(d) + round_off)
       return true;
   }
@@ -44,20 +45,13 @@ template <int dim> std::string text_of(const GridLayout<dim>& grid)
   return text + " m from the origin";
 }
 
-template <int dim> std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+template <int dim>
+void add_doubts_about_surfaces(const Input& input, const RigidSystems& bodies, const GridLayout<dim>& grid,
+                               std::vector<std::string>& doubts)
 {
-  const GridLayout<dim> grid = make_grid_layout<dim>(input);
   const double particle = grid.finest_size / input.material_points.points_per_axis;
-  std::vector<std::string> doubts;
-  if (grid.base_size < much_smaller * input.material_points.element_size)
-    doubts.push_back(
-        fmt::format("cells of {:.4g} m where {:.4g} m was asked for: halved again and again they must meet "
-                    "the smallest size in any stage, {:.4g} m",
-                    grid.base_size, input.material_points.element_size, grid.finest_size));
-  const bool any_contact =
-      std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; });
   std::size_t number = 0;
-  for (const SystemParameters& system : any_contact ? input.systems : std::vector<SystemParameters>())
+  for (const SystemParameters& system : input.systems)
     for (const SurfaceParameters& parameters : system.surfaces)
     {
       const WeldedSurface& welded = bodies.surfaces[number++];
@@ -70,19 +64,24 @@ template <int dim> std::vector<std::string> find_doubts(const Input& input, cons
         doubts.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",
                                      number, text_of<dim>(grid)));
     }
+}
+
+template <int dim> std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+{
+  const GridLayout<dim> grid = make_grid_layout<dim>(input);
+  std::vector<std::string> doubts;
+  if (grid.base_size < much_smaller * input.material_points.element_size)
+    doubts.push_back(
+        fmt::format("cells of {:.4g} m where {:.4g} m was asked for: halved again and again they must meet "
+                    "the smallest size in any stage, {:.4g} m",
+                    grid.base_size, input.material_points.element_size, grid.finest_size));
+  if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
+    add_doubts_about_surfaces<dim>(input, bodies, grid, doubts);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
-    {
-      Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();
-      for (int d = 0; d < dim; ++d)
-      {
-        lower[d == dim - 1 ? 2 : d] = box.min[d];
-        upper[d == dim - 1 ? 2 : d] = box.max[d];
-      }
-      if (lies_beside<dim>(lower, upper, grid, true))
+      if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))
         doubts.push_back(fmt::format("a box of fine cells in stage {} lies outside the grid, which reaches {}", i + 1,
                                      text_of<dim>(grid)));
-    }
   return doubts;
 }
 } // namespace

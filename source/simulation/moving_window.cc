@@ -1,3 +1,4 @@
+#include <kedge/bodies/world_axes.h>
 #include <kedge/simulation/moving_window.h>
 
 namespace kedge
@@ -8,7 +9,7 @@ template <int dim> Extent<dim> extent_of(const RigidSystems& bodies)
   Extent<dim> extent;
   for (unsigned int d = 0; d < dim; ++d)
   {
-    const unsigned int axis = d == dim - 1 ? 2 : d; // plane strain is in the plane y = 0
+    const unsigned int axis = world_axis(dim, d);
     extent.lower[d] = box[0][axis];
     extent.upper[d] = box[1][axis];
   }

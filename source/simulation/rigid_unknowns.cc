@@ -1,17 +1,9 @@
 #include <Teuchos_CommHelpers.hpp>
+#include <kedge/bodies/world_axes.h>
 #include <kedge/simulation/rigid_unknowns.h>
 
 namespace kedge
 {
-namespace
-{
-/// World axis of a nodal component; plane strain is in the plane y = 0.
-unsigned int world_axis(const unsigned int dim, const unsigned int component)
-{
-  return dim == 2 && component == 1 ? 2 : component;
-}
-} // namespace
-
 RigidUnknowns::RigidUnknowns(const RigidSystems& bodies, const bool active,
                              const Teuchos::RCP<const TpetraMap>& nodal_map_)
     : nodal_map(nodal_map_), all_map(nodal_map_)

@@ -229,7 +229,8 @@ template <int dim> bool Simulation<dim>::run_stage()
     {
       log.progress(newton, clock, step_state());
       write_output(clock, false);
-      if (checkpoints.due())
+      const bool is_due = checkpoints.due();
+      if (is_due || (clock.at_end() && stage_number + 1 < input.stages.size())) // the next stage may fail at once
         write_restart_file(clock);
       if (checkpoints.told_to_end())
         return false;
@@ -237,8 +238,6 @@ template <int dim> bool Simulation<dim>::run_stage()
     else if (!clock.cut())
       give_up(clock, newton);
   }
-  if (stage_number + 1 < input.stages.size()) // the next one may fail before it has a step to save
-    write_restart_file(clock);
   return true;
 }
 
