@@ -16,7 +16,6 @@ WAY = 0.05  # m, which the tests pull
 LAYER, BELOW = 0.32, 0.16  # m: the sand of the tests, and the least under a plate's axis
 WHOLE = 0.04  # m, of which a layer's thickness is a multiple
 WEIGHT = 1590. * 9.81  # N/m3
-K0 = 0.426
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +31,8 @@ class Case:
     dilation_angle: float = 0.
     roughness: float = 1.  # friction of plate and sand over tan(friction angle)
     young: float = 12e6
+    edge_radius: float = 0.0025
+    K0: float = 0.426
     half_width: float = 0.2
     box_length: float = 1.1
     velocity: float = 0.02
@@ -39,6 +40,7 @@ class Case:
     distance: float = WAY
     uniform: bool = False  # cells of the size `around` everywhere
     ahead: bool = False  # cells of the size `around` along the plate's whole way from the start, not up to `reach` from it
+    tolerance: float = 0.003  # of the residuals in implicit steps
     analysis: str = "explicit"  # or "static" in steps of STATIC_STEP, or "dynamic", implicitly, in steps of DYNAMIC_STEP
 
     @property
@@ -77,7 +79,7 @@ class Case:
 
     def geometry(self, path):
         """Arguments of `kedge geometry` that write the plate's surface."""
-        where = ["--edge-radius", "0.0025", "--output", str(path)]
+        where = ["--edge-radius", f"{self.edge_radius:g}", "--output", str(path)]
         if self.shape == "TS":
             return ["plate", "--translate", f"{BASE_AT + 0.005:g}", "0", f"{self.height:g}", *where]
         minor, length = FRUSTA[self.shape]
@@ -119,13 +121,15 @@ class Case:
 
     def settings(self, surface):
         """What --set says of it; `surface` is the file that `geometry` wrote."""
-        return [f"rigid bodies.0.stl files.0.stl={surface}",
+        implicit = [] if self.analysis == "explicit" else [f"solver.tolerance={self.tolerance:g}"]
+        return [*implicit, f"rigid bodies.0.stl files.0.stl={surface}",
                 f"rigid bodies.0.points.0.position=[{BASE_AT + 0.005:g}, 0, {self.height:g}]",
                 f"material points.element size={self.around if self.uniform else self.base:g}",
                 f"material points.layers.0.thickness={self.layer:g}",
                 f"material points.layers.0.material.friction angle={self.friction_angle:g}",
                 f"material points.layers.0.material.dilation angle={self.dilation_angle:g}",
                 f"material points.layers.0.material.E={self.young:g}",
+                f"material points.initial stress.K0={self.K0:g}",
                 f"domain.size={self.box_length:g}",
                 f"material points.material size.max=[{self.box_length:g}, {self.half_width:g}]",
                 f"contact.friction coefficient={self.roughness * math.tan(math.radians(self.friction_angle)):.6g}",
@@ -152,7 +156,7 @@ def teng_square(case):
     """The same wedge of the plate's width with friction on its two sides (Teng 1962), Pa."""
     passive, active = _earth_pressures(case)
     deep = case.depth + WIDTH / 2.
-    sides = K0 * WEIGHT / 3. * (math.sqrt(passive) + math.sqrt(active)) * deep**3 * math.tan(math.radians(case.friction_angle))
+    sides = case.K0 * WEIGHT / 3. * (math.sqrt(passive) + math.sqrt(active)) * deep**3 * math.tan(math.radians(case.friction_angle))
     return rankine_strip(case) + sides / WIDTH**2
 
 

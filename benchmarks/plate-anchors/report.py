@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+import changes  # noqa: E402
 import limits  # noqa: E402
 import numpy as np  # noqa: E402
 import records  # noqa: E402
@@ -65,7 +66,9 @@ def write(parts, work, target, kept):
         results = find_results(cases, work, kept)
         if len(results) > 1:  # nothing to compare otherwise
             chart = target / f"plate-anchors-{part}.png"
-            if part in _LIMITS:
+            if part == "sensitivity":
+                text += "\n" + _sensitivity(results, chart)
+            elif part in _LIMITS:
                 text += "\n" + _over_parameter(results, *_LIMITS[part], chart)
             else:
                 (_draw_resolution if part == "resolution" else _draw_curves)(results, part, chart)
@@ -208,14 +211,29 @@ def _variation(title, name, of, note="", columns=()):
     return text
 
 
+_STATIC_MEANS = "Static equilibrium, cells of 10 mm at the plate and along its way; means from {:g} to {:g} mm"
+
+
 def _over_parameter(results, title, name, of, note, chart):
     """A row per value of a parameter with all shapes, and their chart."""
     found = limits.Limits(results, of)
     limits.draw(found, name, chart)
     head, rows = limits.rows(found)
-    note += (f"Static equilibrium, cells of 10 mm at the plate and along its way; means from {1e3 * (found.way - LAST):g} to "
-             f"{1e3 * found.way:g} mm; the wall time is that of all shapes.\n\n")
+    note += f"{_STATIC_MEANS.format(1e3 * (found.way - LAST), 1e3 * found.way)}; the wall time is that of all shapes.\n\n"
     return f"## {title}\n\n{note}" + _table([name, *head], rows) + f"\n![{title}]({chart.name})\n"
+
+
+def _sensitivity(results, chart):
+    """What each case changes of the first one of its shape."""
+    first = {result.case.shape: result.case for result in reversed(results)}
+    found = changes.Changes(results, lambda case: _label(case, [case, first[case.shape]]))
+    changes.draw(found, chart)
+    title = "What the frusta's resistance hangs on"
+    return f"""## {title}
+
+Single changes, the plate's friction staying as it is unless it is the change. {_STATIC_MEANS.format(1e3 * (found.way - LAST), 1e3 * found.way)}.
+
+""" + _table(*changes.rows(found)) + f"\n![{title}]({chart.name})\n"
 
 
 def _formula(of):
@@ -229,15 +247,14 @@ def _per_overburden(result):
 _TEXTS = {
     "shapes": _shapes,
     "resolution": _over_ways("Resolution", "shape, analysis, cells at the plate, around it, beyond / mm",
-                             lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}",
+                             lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}"
+                             + (f"; residuals {100. * case.tolerance:g} %" if case.tolerance != type(case).tolerance else ""),
                              "Cells at the plate's surface, around it or its way, and beyond. In explicit dynamics cells of 20 mm beyond begin "
                              "80 mm from the plate.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
     "rate": _over_ways("Loading rate (figure 6)", "velocity, mass scaling",
                        lambda case: "static" if case.analysis == "static" else
                        f"{1e3 * case.velocity:g} mm/s, {case.mass_scaling:g}, {case.analysis}"),
     "stiffness": _variation("Young's modulus (figure 13)", "E / MPa", lambda case: f"{1e-6 * case.young:g}"),
-    "group": _variation("Group effect (figure 11)", "spacing / B", lambda case: f"{2. * case.half_width / WIDTH:g}",
-                        "One of a row of plates, whose spacing is the box's width.\n\n"),
     "dilatancy": _variation("Dilatancy", "angle / °", lambda case: f"{case.dilation_angle:g}"),
     "interface": _variation("Friction of plate and sand", "tan δ / tan φ", lambda case: f"{case.roughness:g}"),
     "embedment": _variation("Embedment", "depth of the axis / B", lambda case: f"{case.depth / WIDTH:g}" + (", strip" if 2. * case.half_width < WIDTH else ""),
@@ -253,13 +270,16 @@ _TEXTS = {
 _LIMITS = {
     "friction": ("Friction angle (figure 12)", "friction angle / °", lambda case: case.friction_angle,
                  "The plate's friction is the tangent of the same angle. "),
+    "group": ("Group effect (figure 11)", "spacing / B", lambda case: round(2. * case.half_width / WIDTH, 6),
+              "One of a row of plates, whose spacing is the box's width. "),
 }
 
 
 _NAMES = {"cell": ("cells at the plate", 1e3, "mm"), "around": ("around it", 1e3, "mm"), "reach": ("up to", 1e3, "mm"),
           "base": ("beyond", 1e3, "mm"), "depth": ("depth", 1., "m"), "half_width": ("half width", 1., "m"), "velocity": ("", 1e3, "mm/s"),
           "mass_scaling": ("mass scaling", 1., ""), "young": ("E", 1e-6, "MPa"), "dilation_angle": ("ψ", 1., "°"),
-          "roughness": ("tan δ / tan φ", 1., "")}
+          "roughness": ("tan δ / tan φ", 1., ""), "edge_radius": ("edges rounded by", 1e3, "mm"), "box_length": ("box", 1., "m long"),
+          "friction_angle": ("φ", 1., "°"), "K0": ("K0", 1., "")}
 _DYNAMIC = ("velocity", "mass_scaling")  # mean nothing in static equilibrium
 
 
@@ -286,9 +306,11 @@ def _draw_resolution(results, _, path):
     for panel, shape in zip(panels.flat, shapes):
         for result in (result for result in results if result.case.shape == shape):
             case = result.case
-            panel.plot(1e3 * result.displacement, 1e-3 * result.pressure, linestyle=":" if case.analysis == "explicit" else "-",
+            panel.plot(1e3 * result.displacement, 1e-3 * result.pressure, linestyle=":" if case.analysis == "explicit" else "-" if case.tolerance == type(case).tolerance else "--",
+                       linewidth=1. if case.tolerance == type(case).tolerance else 0.7,
                        color=f"C{(0.02, 0.01, 0.005).index(case.cell) + (3 if case.base < 0.04 else 0)}",
-                       label=f"{case.analysis}, {1e3 * case.cell:g} mm" + (f", beyond {1e3 * case.base:g} mm" if case.base < 0.04 else ""))
+                       label=f"{case.analysis}, {1e3 * case.cell:g} mm"
+                       + (f", residuals {100. * case.tolerance:g} %" if case.tolerance != type(case).tolerance else "") + (f", beyond {1e3 * case.base:g} mm" if case.base < 0.04 else ""))
         panel.axhline(1e-3 * REFERENCE["shapes"][shape]["laboratory"], color="0.4", linestyle="--", linewidth=0.8, label="laboratory")
         panel.set(title=shape, xlim=(0., None), ylim=(0., None), xlabel="displacement / mm", ylabel="resistance / kPa")
         panel.legend(fontsize=7, loc="lower right")

@@ -33,8 +33,9 @@ Section<SolverParameters> solver_section()
                                                {"iterative", LinearSolverChoice::iterative},
                                                {"direct", LinearSolverChoice::direct}}),
                    "Multigrid-preconditioned GMRES, a factorisation, or whichever suits the size");
-  section.optional("reuse", &P::reuse, on_off(),
-                   "Keep the preconditioner from one Newton iteration to the next while it still converges");
+  section.optional(
+      "reuse", &P::reuse, on_off(),
+      "Keep the preconditioner from one Newton iteration to the next while that costs less than a new one");
   section.optional("minimum step fraction", &P::minimum_step_fraction, number("-", Bounds().at_least(1e-9).at_most(1.)),
                    "Smallest share of a step to which it may be cut; the run stops below it");
   return section;
