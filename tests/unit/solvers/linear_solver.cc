@@ -154,6 +154,24 @@ TEST(LinearSolver, ReusesTheHierarchyForChangedValues)
   EXPECT_LT(cube.relative_residual(), 1e-8);
 }
 
+TEST(LinearSolver, RenewsAHierarchyThatHasWornOut)
+{
+  const Cube cube(12);
+  const SolverParameters parameters = choose(LinearSolverChoice::iterative);
+  LinearSolver solver(parameters, 3);
+  solver.set_structure(cube.matrix, cube.modes());
+  solver.solve(*cube.right_side, *cube.solution, 1e-6);
+  TpetraVector scale(cube.map); // every other node ten times as stiff, or soft, as those around it
+  for (std::size_t dof = 0; dof < scale.getLocalLength(); ++dof)
+    scale.replaceLocalValue(dof, cube.map->getGlobalElement(dof) / 3 % 2 == 0 ? 3. : 0.3);
+  cube.matrix->leftScale(scale);
+  cube.matrix->rightScale(scale);
+  const unsigned int worn = solver.solve(*cube.right_side, *cube.solution, 1e-6).iterations;
+  const unsigned int renewed = solver.solve(*cube.right_side, *cube.solution, 1e-6).iterations;
+  EXPECT_EQ(renewed, cube.solve(parameters, 1e-6).iterations);
+  EXPECT_GT(worn, renewed + 9);
+}
+
 TEST(LinearSolver, ReportsASingularMatrixToTheDirectSolver)
 {
   EXPECT_FALSE(Cube(4, 0.).solve(choose(LinearSolverChoice::direct), 1e-8).converged);
