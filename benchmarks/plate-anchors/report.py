@@ -228,7 +228,7 @@ def _sensitivity(results, chart):
     first = {result.case.shape: result.case for result in reversed(results)}
     found = changes.Changes(results, lambda case: _label(case, [case, first[case.shape]]))
     changes.draw(found, chart)
-    title = "What the frusta's resistance hangs on"
+    title = "What the long frustum's resistance hangs on"
     return f"""## {title}
 
 Single changes, the plate's friction staying as it is unless it is the change. {_STATIC_MEANS.format(1e3 * (found.way - LAST), 1e3 * found.way)}.
