@@ -166,6 +166,15 @@ def _sections(results, target):
     return text
 
 
+def _has_own_tolerance(case):
+    return case.tolerance != type(case).tolerance
+
+
+def _tolerance(case, separator=""):
+    """Said only where it is not the study's own."""
+    return f"{separator}residuals {100. * case.tolerance:g} %" if _has_own_tolerance(case) else ""
+
+
 def _over_ways(title, name, of, note="", columns=()):
     """A row per run, with the mean over the end of the way that all have gone beside those of each run's own."""
     def text(results):
@@ -248,7 +257,7 @@ _TEXTS = {
     "shapes": _shapes,
     "resolution": _over_ways("Resolution", "shape, analysis, cells at the plate, around it, beyond / mm",
                              lambda case: f"{case.shape}, {case.analysis}, {1e3 * case.cell:g}, {1e3 * case.around:g}, {1e3 * case.base:g}"
-                             + (f"; residuals {100. * case.tolerance:g} %" if case.tolerance != type(case).tolerance else ""),
+                             + _tolerance(case, "; "),
                              "Cells at the plate's surface, around it or its way, and beyond. In explicit dynamics cells of 20 mm beyond begin "
                              "80 mm from the plate.\n\n", [("cuts", lambda result: f"{result.record['cuts']}")]),
     "rate": _over_ways("Loading rate (figure 6)", "velocity, mass scaling",
@@ -289,7 +298,9 @@ def _label(case, cases):
     said = []
     for name in (name for name in fields if name not in ("ahead", "distance")):  # the analysis and the curve's length say it
         value = getattr(case, name)
-        if isinstance(value, bool):
+        if name == "tolerance":
+            said += [_tolerance(case)] if _has_own_tolerance(case) else []
+        elif isinstance(value, bool):
             said += [name] if value else []
         elif isinstance(value, str):
             said.append(value)
@@ -306,11 +317,11 @@ def _draw_resolution(results, _, path):
     for panel, shape in zip(panels.flat, shapes):
         for result in (result for result in results if result.case.shape == shape):
             case = result.case
-            panel.plot(1e3 * result.displacement, 1e-3 * result.pressure, linestyle=":" if case.analysis == "explicit" else "-" if case.tolerance == type(case).tolerance else "--",
-                       linewidth=1. if case.tolerance == type(case).tolerance else 0.7,
-                       color=f"C{(0.02, 0.01, 0.005).index(case.cell) + (3 if case.base < 0.04 else 0)}",
-                       label=f"{case.analysis}, {1e3 * case.cell:g} mm"
-                       + (f", residuals {100. * case.tolerance:g} %" if case.tolerance != type(case).tolerance else "") + (f", beyond {1e3 * case.base:g} mm" if case.base < 0.04 else ""))
+            fine_beyond = case.base < type(case).base
+            style = ":" if case.analysis == "explicit" else "--" if _has_own_tolerance(case) else "-"
+            label = f"{case.analysis}, {1e3 * case.cell:g} mm{_tolerance(case, ', ')}" + (f", beyond {1e3 * case.base:g} mm" if fine_beyond else "")
+            panel.plot(1e3 * result.displacement, 1e-3 * result.pressure, linestyle=style, linewidth=0.7 if _has_own_tolerance(case) else 1.,
+                       color=f"C{(0.02, 0.01, 0.005).index(case.cell) + (3 if fine_beyond else 0)}", label=label)
         panel.axhline(1e-3 * REFERENCE["shapes"][shape]["laboratory"], color="0.4", linestyle="--", linewidth=0.8, label="laboratory")
         panel.set(title=shape, xlim=(0., None), ylim=(0., None), xlabel="displacement / mm", ylabel="resistance / kPa")
         panel.legend(fontsize=7, loc="lower right")

@@ -8,6 +8,8 @@ import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
 from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
 
+from .filling import triangles_between  # noqa: E402
+
 _STYLE = {"font.size": 9, "axes.labelsize": 9, "axes.linewidth": 0.8, "figure.dpi": 200, "savefig.dpi": 200,
           "legend.frameon": False, "xtick.direction": "in", "ytick.direction": "in", "mathtext.default": "regular"}
 
@@ -73,8 +75,13 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
 
 
 def add_soil(axes, section, factor, limits=None):
-    """Draws the section's rectangles over their backdrop; returns the collection that a colour bar needs."""
+    """Draws the section's rectangles over their backdrop, and both over triangles that fill the cracks between them; returns the
+    collection that a colour bar needs."""
     drawn = []
+    lower, upper, values = (np.concatenate([getattr(section.backdrop, name), getattr(section, name)]) for name in ("lower", "upper", "values"))
+    triangles = triangles_between(lower, upper, section.outline)
+    if triangles is not None and not triangles.mask.all():
+        drawn.append(axes.tripcolor(triangles, factor * values, shading="gouraud", cmap="viridis", rasterized=True))
     for boxes in (section.backdrop, section):
         # Without lines and smoothing no background shines through between boxes that touch.
         drawn.append(PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap="viridis",

@@ -19,6 +19,7 @@ from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.command import main  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola, resistance_curve  # noqa: E402
 from kedge_plot.run import Run, read_columns  # noqa: E402
+from kedge_plot.filling import triangles_between
 from kedge_plot.section import cut, evaluate  # noqa: E402
 from kedge_plot.vtu import read_grid  # noqa: E402
 
@@ -274,6 +275,23 @@ class SectionCut(TemporaryFolder):
                 backdrop = self.cut(at=at, field="displacement_y").backdrop
                 self.assertEqual((len(backdrop.values), set(backdrop.values)), (18, behind))
         self.assertEqual((backdrop.values[0], backdrop.values[-1]), (0., 1.))
+
+    def test_cracks_between_boxes_are_filled_but_neither_voids_nor_bodies(self):
+        def area(lower, outline=()):
+            lower = np.array(lower, dtype=float)
+            triangles = triangles_between(lower, lower + 1., np.array(outline).reshape(-1, 2, 2))
+            corners = (lower + 0.5)[triangles.triangles[~triangles.mask]]
+            sides = corners[:, 1:] - corners[:, :1]
+            return abs(np.linalg.det(sides)).sum() / 2.
+
+        pair = [[0., 0.], [0., 1.]]
+        self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]]), 1.4)
+        self.assertAlmostEqual(area([*pair, [3.4, 0.], [3.4, 1.]]), 0.)
+        wall = [[1.2, -5.], [1.2, 5.]]
+        self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], wall), 0.)
+        self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], [[1.2, 5.], [1.2, 9.]]), 1.4)
+        self.assertIsNone(triangles_between(np.array([[0., 0.], [1., 0.], [2., 0.]]), np.array([[1., 1.], [2., 1.], [3., 1.]]),
+                                            np.empty((0, 2, 2))))
 
     def test_values_and_axes_belong_to_the_boxes(self):
         section = self.cut()
