@@ -58,8 +58,8 @@ class Case:
         return dataclasses.replace(self, cell=cell, around=cell, mass_scaling=64. * min(1., (0.005 / cell)**2))
 
     def quick(self):
-        """The same with coarse cells, a short way, and inertia scaled by default wherever it is scaled: the longest time steps."""
-        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.02 if self.analysis == "explicit" else 0.01,
+        """The same with coarse cells, a short way, residuals as usual, and inertia scaled by default wherever it is scaled: the longest time steps."""
+        return dataclasses.replace(self.with_cells(max(self.cell, 0.02)), distance=0.02 if self.analysis == "explicit" else 0.01, tolerance=Case.tolerance,
                                    mass_scaling=1. if self.mass_scaling == 1. else Case.mass_scaling)
 
     @property

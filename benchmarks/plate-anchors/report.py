@@ -58,8 +58,9 @@ def find_results(cases, work, kept):
     return results
 
 
-def write(parts, work, target, kept):
-    """Writes plate-anchors.md and its charts; returns the report's path. Records are kept in the folder `kept`."""
+def write(parts, work, target, kept, is_whole):
+    """Writes plate-anchors.md and its charts, with what was found if the study is whole; returns the report's path. Records are kept in the
+    folder `kept`."""
     target.mkdir(parents=True, exist_ok=True)
     text = (HERE / "introduction.md").read_text(encoding="utf-8")
     for part, cases in parts.items():
@@ -75,6 +76,8 @@ def write(parts, work, target, kept):
                 text += "\n" + _TEXTS[part](results) + f"\n![Resistance over displacement]({chart.name})\n"
         if part == "shapes" and results:
             text += "\n" + _sections(results, target)
+    if is_whole:
+        text += (HERE / "findings.md").read_text(encoding="utf-8")
     path = target / "plate-anchors.md"
     path.write_text(text, encoding="utf-8")
     return path
