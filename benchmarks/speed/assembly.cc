@@ -34,7 +34,6 @@ struct Block
     parameters.layers = {layer};
     parameters.K0 = 0.5;
     generate_particles(particles, mesh, parameters, 9.81);
-    particles.load();
     move(shift);
     materials = Materials("materials", 1);
     const auto host = Kokkos::create_mirror_view(materials);
@@ -71,7 +70,6 @@ struct Block
     Kokkos::deep_copy(increments.displacement, u);
     Kokkos::deep_copy(increments.deformation_gradient, f);
     particles.commit(increments, DomainUpdate::none);
-    particles.load();
   }
 
   void discretise()

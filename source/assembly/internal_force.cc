@@ -4,16 +4,6 @@
 
 namespace kedge
 {
-Materials upload_materials(const std::vector<MaterialParameters>& parameters)
-{
-  const Materials materials("materials", parameters.size());
-  const auto host = Kokkos::create_mirror_view(materials);
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    host(i) = make_material(parameters[i]);
-  Kokkos::deep_copy(materials, host);
-  return materials;
-}
-
 template <int dim>
 unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                       const Materials& materials, const NodalVector& increment,

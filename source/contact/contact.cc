@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <kedge/base/communication.h>
+#include <kedge/base/world_axes.h>
 #include <kedge/basis/active_nodes.h>
-#include <kedge/bodies/world_axes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
 #include <unordered_set>

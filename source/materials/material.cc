@@ -59,6 +59,16 @@ Material make_material(const MaterialParameters& parameters)
   return material;
 }
 
+Materials upload_materials(const std::vector<MaterialParameters>& parameters)
+{
+  const Materials materials("materials", parameters.size());
+  const auto host = Kokkos::create_mirror_view(materials);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    host(i) = make_material(parameters[i]);
+  Kokkos::deep_copy(materials, host);
+  return materials;
+}
+
 double effective_young(const MaterialParameters& parameters, const double vertical_stress)
 {
   if (!parameters.overburden)

@@ -151,8 +151,17 @@ template <int dim> void BackgroundMesh<dim>::repartition(const std::vector<doubl
   forest.repartition();
 }
 
+template <int dim> void BackgroundMesh<dim>::set_window(const Window<dim>& window)
+{
+  if (window == table.window)
+    return;
+  table.window = window;
+  ++n_changes;
+}
+
 template <int dim> void BackgroundMesh<dim>::update()
 {
+  ++n_changes;
   nodes.distribute_dofs(dealii::FE_Q<dim>(1));
   dealii::DoFRenumbering::hierarchical(nodes); // the order of cells depends on how they came about
   const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);

@@ -23,7 +23,6 @@ RunProgress progress_from(const Json& json)
   progress.clock = {clock.at(0), clock.at(1), clock.at(2), clock.at(3), clock.at(4), clock.at(5), clock.at(6)};
   progress.step = json.at("step");
   progress.steps_in_stage = json.at("steps in stage");
-  progress.deleted = json.at("deleted");
   progress.has_warned_of_window = json.at("has warned of window");
   progress.summary = json.at("summary");
   return progress;
@@ -87,8 +86,7 @@ template <int dim> std::string node_key(const double* position, const double bas
 }
 
 template <int dim>
-void read_mesh(const RunState<dim>& state, const Hdf5Reader& file, const std::vector<std::int64_t>& rows,
-               const double particle_cost)
+void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::vector<std::int64_t>& rows)
 {
   constexpr unsigned int width = leaf_width<dim>;
   std::vector<LeafPlace<dim>> leaves(rows.size() / width);
@@ -97,15 +95,15 @@ void read_mesh(const RunState<dim>& state, const Hdf5Reader& file, const std::ve
     leaves[i].level = rows[width * i];
     std::copy_n(&rows[width * i + 1], dim, leaves[i].index.begin());
   }
-  refine_to(state.mesh, leaves);
-  auto& forest = state.mesh.triangulation();
+  refine_to(soil.mesh, leaves);
+  auto& forest = soil.mesh.triangulation();
   const MPI_Comm communicator = forest.get_communicator();
-  const auto cells = cells_in_forest_order(state.mesh);
+  const auto cells = cells_in_forest_order(soil.mesh);
   const std::size_t first = sum_over_lower_ranks(cells.size(), communicator);
   bool fits = forest.n_global_active_cells() == leaves.size();
   for (std::size_t i = 0; fits && i < cells.size(); ++i)
   {
-    const LeafPlace<dim> place = place_of(cells[i], state.mesh);
+    const LeafPlace<dim> place = place_of(cells[i], soil.mesh);
     fits = place.level == leaves[first + i].level && place.index == leaves[first + i].index;
   }
   if (min_over_ranks(fits, communicator) < 1.)
@@ -114,30 +112,30 @@ void read_mesh(const RunState<dim>& state, const Hdf5Reader& file, const std::ve
 
   const std::vector<std::int64_t> counts = file.read_all<std::int64_t>("leaves of ranks", 1);
   if (counts.size() == static_cast<std::size_t>(size_of(communicator)))
-    repartition_to(state.mesh, counts);
+    repartition_to(soil.mesh, counts);
   else
   {
     std::vector<double> work(forest.n_active_cells(), 1.);
     for (std::size_t i = 0; i < cells.size(); ++i)
       work[cells[i]->active_cell_index()] += particle_cost * rows[width * (first + i + 1) - 1];
-    state.mesh.repartition(work);
+    soil.mesh.repartition(work);
   }
-  state.mesh.update();
+  soil.mesh.update();
 
   const std::vector<std::int64_t> planes = file.read_all<std::int64_t>("window", 2 * dim);
   Window<dim> window;
   std::copy_n(planes.begin(), dim, window.lower.begin());
   std::copy_n(planes.begin() + dim, dim, window.upper.begin());
-  state.mesh.set_window(window);
+  soil.mesh.set_window(window);
 }
 
 /// The leaves of this rank lie next to each other in the file, and so do their particles.
 template <int dim>
-void read_particles(const RunState<dim>& state, const Hdf5Reader& file, const std::vector<std::int64_t>& leaf_rows)
+void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::vector<std::int64_t>& leaf_rows)
 {
   constexpr unsigned int leaf_step = leaf_width<dim>, step = particle_width<dim>;
-  const auto cells = cells_in_forest_order(state.mesh);
-  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  const auto cells = cells_in_forest_order(soil.mesh);
+  const MPI_Comm communicator = soil.mesh.triangulation().get_communicator();
   const std::size_t first_leaf = sum_over_lower_ranks(cells.size(), communicator);
   const auto in_leaf = [&](const std::size_t leaf) { return leaf_rows[leaf_step * (leaf + 1) - 1]; };
   std::size_t count = 0;
@@ -147,23 +145,22 @@ void read_particles(const RunState<dim>& state, const Hdf5Reader& file, const st
   const std::vector<std::int64_t> ids = file.read_rows<std::int64_t>("particle numbers", 1, first, count);
   const std::vector<double> data = file.read_rows<double>("particles", step, first, count);
 
+  auto& handler = soil.particles.edit();
   std::size_t p = 0;
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::int64_t k = 0; k < in_leaf(first_leaf + i); ++k, ++p)
     {
       dealii::Point<dim> x;
       std::copy_n(&data[step * p], dim, x.begin_raw());
-      state.particles.handler().insert_particle(x, state.mesh.mapping().transform_real_to_unit_cell(cells[i], x),
-                                                ids[p], cells[i],
-                                                dealii::ArrayView<const double>(&data[step * p + dim], field::count));
+      handler.insert_particle(x, soil.mesh.mapping().transform_real_to_unit_cell(cells[i], x), ids[p], cells[i],
+                              dealii::ArrayView<const double>(&data[step * p + dim], field::count));
     }
-  state.particles.handler().update_cached_numbers();
-  state.particles.load();
+  handler.update_cached_numbers();
 }
 
-template <int dim> void read_contact(const RunState<dim>& state, const Hdf5Reader& file)
+template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
-  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  const MPI_Comm communicator = soil.mesh.triangulation().get_communicator();
   // Any share will do: the records go where their particles are.
   const std::size_t n = file.n_rows("contact keys", contact_key_width), rank = rank_of(communicator),
                     size = size_of(communicator), first = n * rank / size, count = n * (rank + 1) / size - first;
@@ -181,7 +178,7 @@ template <int dim> void read_contact(const RunState<dim>& state, const Hdf5Reade
                        value[3],
                        value[4]});
   }
-  state.contact.import_history(records, state.particles.ids());
+  soil.contact.import_history(records, soil.particles.ids());
 }
 
 void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
@@ -205,40 +202,42 @@ void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
   }
 }
 
-template <int dim> void read_prediction(const RunState<dim>& state, const Hdf5Reader& file)
+template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
   const std::vector<double> rows = file.read_all<double>("prediction", node_width<dim>);
-  const LeafTable<dim>& table = state.mesh.leaves();
-  state.prediction.assign(rows.empty() ? 0 : dim * table.node_position.size(), 0.);
+  const LeafTable<dim>& table = soil.mesh.leaves();
+  soil.prediction.assign(rows.empty() ? 0 : dim * table.node_position.size(), 0.);
   std::unordered_map<std::string, const double*> increment_at;
   for (std::size_t i = 0; i < rows.size(); i += node_width<dim>)
     increment_at[node_key<dim>(&rows[i], table.base_size)] = &rows[i + dim];
   for (std::size_t node = 0; !rows.empty() && node < table.node_position.size(); ++node)
     if (const auto entry = increment_at.find(node_key<dim>(table.node_position[node].data(), table.base_size));
         entry != increment_at.end())
-      std::copy_n(entry->second, dim, &state.prediction[dim * node]);
+      std::copy_n(entry->second, dim, &soil.prediction[dim * node]);
 }
 } // namespace
 
 template <int dim>
-void read_checkpoint(const RunState<dim>& state, const std::string& input, const std::string& path,
-                     const double particle_cost)
+RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::string& input, const std::string& path)
 {
-  const Hdf5Reader file(path, state.mesh.triangulation().get_communicator());
+  const Hdf5Reader file(path, soil.communicator());
   const std::string version = file.read_text("version"), expected = version_text(dim);
   if (version != expected)
     throw FileError(path, fmt::format("is \"{}\", not \"{}\"", version, expected));
   require_same_input(input, file.read_text("input"), path);
 
+  const SoilParts<dim> parts = soil.parts();
   const auto leaves = file.read_all<std::int64_t>("leaves", leaf_width<dim>);
-  read_mesh(state, file, leaves, particle_cost);
-  read_particles(state, file, leaves);
-  read_contact(state, file);
-  read_bodies(state.bodies, file);
-  read_prediction(state, file);
-  state.progress = progress_from(parse(file.read_text("progress"), path));
+  read_mesh(parts, file, leaves);
+  read_particles(parts, file, leaves);
+  read_contact(parts, file);
+  read_prediction(parts, file);
+  read_bodies(bodies, file);
+  const Json progress = parse(file.read_text("progress"), path);
+  parts.n_deleted = progress.at("deleted");
+  return progress_from(progress);
 }
 
-template void read_checkpoint<2>(const RunState<2>&, const std::string&, const std::string&, double);
-template void read_checkpoint<3>(const RunState<3>&, const std::string&, const std::string&, double);
+template RunProgress read_checkpoint<2>(Soil<2>&, RigidSystems&, const std::string&, const std::string&);
+template RunProgress read_checkpoint<3>(Soil<3>&, RigidSystems&, const std::string&, const std::string&);
 } // namespace kedge

@@ -11,7 +11,7 @@ using namespace checkpoint;
 
 namespace
 {
-nlohmann::json to_json(const RunProgress& progress)
+nlohmann::json to_json(const RunProgress& progress, const long long deleted)
 {
   const ClockState& clock = progress.clock;
   return {{"stage", progress.stage},
@@ -19,23 +19,23 @@ nlohmann::json to_json(const RunProgress& progress)
            {clock.ticks_per_step, clock.position, clock.limit, clock.cuts, clock.made, clock.patience, clock.on_trial}},
           {"step", progress.step},
           {"steps in stage", progress.steps_in_stage},
-          {"deleted", progress.deleted},
+          {"deleted", deleted},
           {"has warned of window", progress.has_warned_of_window},
           {"summary", progress.summary}};
 }
 
-template <int dim> void write_cells_and_particles(const RunState<dim>& state, Hdf5Writer& file)
+template <int dim> void write_cells_and_particles(const Soil<dim>& soil, Hdf5Writer& file)
 {
   std::vector<std::int64_t> leaves, ids;
   std::vector<double> particles;
-  const auto cells = cells_in_forest_order(state.mesh);
+  const auto cells = cells_in_forest_order(soil.mesh());
   for (const auto& cell : cells)
   {
-    const LeafPlace<dim> place = place_of(cell, state.mesh);
+    const LeafPlace<dim> place = place_of(cell, soil.mesh());
     leaves.push_back(place.level);
     leaves.insert(leaves.end(), place.index.begin(), place.index.end());
-    leaves.push_back(state.particles.handler().n_particles_in_cell(cell));
-    for (const auto& particle : state.particles.handler().particles_in_cell(cell))
+    leaves.push_back(soil.particles().handler().n_particles_in_cell(cell));
+    for (const auto& particle : soil.particles().handler().particles_in_cell(cell))
     {
       ids.push_back(particle.get_id());
       for (unsigned int d = 0; d < dim; ++d)
@@ -50,16 +50,17 @@ template <int dim> void write_cells_and_particles(const RunState<dim>& state, Hd
   file.write_rows("particles", particles, particle_width<dim>);
 }
 
-template <int dim> void write_prediction(const RunState<dim>& state, Hdf5Writer& file)
+template <int dim> void write_prediction(const Soil<dim>& soil, Hdf5Writer& file)
 {
-  const LeafTable<dim>& table = state.mesh.leaves();
+  const LeafTable<dim>& table = soil.mesh().leaves();
+  const Prediction& prediction = soil.prediction();
   std::vector<double> nodes;
-  if (!state.prediction.empty())
+  if (!prediction.empty())
     for (std::size_t node = 0; node < table.node_position.size(); ++node)
       if (table.node_owner_is_me[node])
       {
         nodes.insert(nodes.end(), table.node_position[node].begin(), table.node_position[node].end());
-        nodes.insert(nodes.end(), &state.prediction[dim * node], &state.prediction[dim * node] + dim);
+        nodes.insert(nodes.end(), &prediction[dim * node], &prediction[dim * node] + dim);
       }
   file.write_rows("prediction", nodes, node_width<dim>);
 }
@@ -97,27 +98,29 @@ void write_bodies(const RigidSystems& bodies, const bool root, Hdf5Writer& file)
 }
 } // namespace
 
-template <int dim> void write_checkpoint(const RunState<dim>& state, const std::string& input, const std::string& path)
+template <int dim>
+void write_checkpoint(const Soil<dim>& soil, const RigidSystems& bodies, const RunProgress& progress,
+                      const std::string& input, const std::string& path)
 {
-  const MPI_Comm communicator = state.mesh.triangulation().get_communicator();
+  const MPI_Comm communicator = soil.communicator();
   Hdf5Writer file(path, communicator);
   file.write_text("version", version_text(dim));
   file.write_text("input", input);
-  RunProgress progress = state.progress;
-  progress.deleted += state.particles.n_lost();
-  file.write_text("progress", to_json(progress).dump());
-  const Window<dim>& window = state.mesh.leaves().window;
+  file.write_text("progress", to_json(progress, soil.n_deleted()).dump());
+  const Window<dim>& window = soil.mesh().leaves().window;
   std::vector<std::int64_t> planes(window.lower.begin(), window.lower.end());
   planes.insert(planes.end(), window.upper.begin(), window.upper.end());
   const bool root = rank_of(communicator) == 0;
   file.write_rows("window", root ? planes : std::vector<std::int64_t>(), 2 * dim);
-  write_cells_and_particles(state, file);
-  write_contact(state.contact, file);
-  write_bodies(state.bodies, root, file);
-  write_prediction(state, file);
+  write_cells_and_particles(soil, file);
+  write_contact(soil.contact(), file);
+  write_bodies(bodies, root, file);
+  write_prediction(soil, file);
   file.finish();
 }
 
-template void write_checkpoint<2>(const RunState<2>&, const std::string&, const std::string&);
-template void write_checkpoint<3>(const RunState<3>&, const std::string&, const std::string&);
+template void write_checkpoint<2>(const Soil<2>&, const RigidSystems&, const RunProgress&, const std::string&,
+                                  const std::string&);
+template void write_checkpoint<3>(const Soil<3>&, const RigidSystems&, const RunProgress&, const std::string&,
+                                  const std::string&);
 } // namespace kedge

@@ -84,7 +84,7 @@ template <int dim> void OutputWriter<dim>::begin_stage(unsigned int n_steps)
 }
 
 template <int dim>
-void OutputWriter<dim>::write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage,
+void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage,
                                      bool last_of_stage)
 {
   const bool vtk =
@@ -130,7 +130,7 @@ void OutputWriter<dim>::write_if_due(const OutputState<dim>& state, unsigned int
 }
 
 template <int dim>
-void OutputWriter<dim>::write_snapshot(const OutputState<dim>& state, const Layers& layers,
+void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers& layers,
                                        const std::vector<ContactForce>& contact)
 {
   for (unsigned int layer = 0; layer < n_layers; ++layer)
@@ -147,8 +147,7 @@ void OutputWriter<dim>::write_snapshot(const OutputState<dim>& state, const Laye
 }
 
 template <int dim>
-void OutputWriter<dim>::write_piece(const std::string& series, const UnstructuredGrid& grid,
-                                    const OutputState<dim>& state)
+void OutputWriter<dim>::write_piece(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state)
 {
   const int n_ranks = size_of(communicator), rank = rank_of(communicator);
   if (n_ranks == 1)
@@ -166,7 +165,7 @@ void OutputWriter<dim>::write_piece(const std::string& series, const Unstructure
 
 template <int dim>
 void OutputWriter<dim>::write_on_root(const std::string& series, const UnstructuredGrid& grid,
-                                      const OutputState<dim>& state)
+                                      const Snapshot<dim>& state)
 {
   const std::string file = file_name(series, state.step, ".vtu");
   write_vtu(grid, vtk_folder + "/" + file, state.total_time);

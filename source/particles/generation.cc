@@ -75,6 +75,7 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
   const unsigned int n_columns =
       dim == 3 ? parameters.points_per_axis * parameters.points_per_axis : parameters.points_per_axis;
   std::vector<double> data(field::count);
+  auto& handler = particles.edit();
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
   {
     if (!cell->is_locally_owned())
@@ -118,12 +119,12 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
         data[field::contact_gap] = std::numeric_limits<double>::quiet_NaN();
         if (parameters.K0)
           set_initial_stress(data.data(), dim - 1, row.vertical_stress, *parameters.K0, material.poisson);
-        particles.handler().insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,
-                                            dealii::ArrayView<const double>(data.data(), data.size()));
+        handler.insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,
+                                dealii::ArrayView<const double>(data.data(), data.size()));
       }
     }
   }
-  particles.handler().update_cached_numbers();
+  handler.update_cached_numbers();
 }
 
 template void generate_particles<2>(ParticleSet<2>&, BackgroundMesh<2>&, const MaterialPointParameters&, double);

@@ -213,12 +213,13 @@ MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<di
                             const std::function<bool(const dealii::Point<dim>&)>& keep, const double energy_tolerance)
 {
   MergeResult result;
+  auto& handler = particles.edit();
   Group<dim> doomed;
   const unsigned int needed =
       dim == 3 ? points_per_axis * points_per_axis * points_per_axis : points_per_axis * points_per_axis;
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
   {
-    if (!cell->is_locally_owned() || particles.handler().n_particles_in_cell(cell) <= needed)
+    if (!cell->is_locally_owned() || handler.n_particles_in_cell(cell) <= needed)
       continue;
     for (const Group<dim>& group : find_groups<dim>(particles, cell, points_per_axis, keep))
     {
@@ -237,7 +238,7 @@ MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<di
   result.elastic_energy_lost = sum_over_ranks(result.elastic_energy_lost, communicator);
   result.elastic_energy_merged = sum_over_ranks(result.elastic_energy_merged, communicator);
   if (result.removed > 0)
-    particles.handler().remove_particles(doomed);
+    handler.remove_particles(doomed);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <kedge/materials/hencky.h>
 #include <kedge/particles/particle_set.h>
 #include <limits>
+#include <stdexcept>
 
 namespace kedge
 {
@@ -92,35 +93,53 @@ template <int dim> std::vector<typename ParticleSet<dim>::Place> ParticleSet<dim
   return places;
 }
 
-template <int dim> void ParticleSet<dim>::load()
+template <int dim> typename ParticleSet<dim>::Handler& ParticleSet<dim>::edit()
 {
-  order = sort_active();
-  const std::size_t n = order.size();
-  if (n != mirror.n || mirror.young.extent(0) != n)
-    mirror = allocate_arrays(n);
-  centre.resize(n);
-  half_width.resize(n);
-  leaf.resize(n);
-  id.resize(n);
+  ++n_changes;
+  return particles;
+}
 
-  auto b = Kokkos::create_mirror_view(mirror.elastic_left_cauchy_green);
-  auto young = Kokkos::create_mirror_view(mirror.young);
-  auto volume = Kokkos::create_mirror_view(mirror.initial_volume);
-  auto mass = Kokkos::create_mirror_view(mirror.mass);
-  auto layer = Kokkos::create_mirror_view(mirror.layer);
-  auto velocity = Kokkos::create_mirror_view(mirror.velocity);
-  auto acceleration = Kokkos::create_mirror_view(mirror.acceleration);
-  auto strain = Kokkos::create_mirror_view(mirror.trial_strain);
-  auto stress = Kokkos::create_mirror_view(mirror.trial_stress);
+template <int dim> const typename ParticleSet<dim>::Mirror& ParticleSet<dim>::fresh() const
+{
+  if (!is_fresh())
+  {
+    fill(mirror);
+    mirror.change = n_changes;
+    mirror.mesh_version = mesh.version();
+  }
+  return mirror;
+}
+
+template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
+{
+  into.order = sort_active();
+  const std::size_t n = into.order.size();
+  ParticleArrays& arrays = into.arrays;
+  if (n != arrays.n || arrays.young.extent(0) != n)
+    arrays = allocate_arrays(n);
+  into.centre.resize(n);
+  into.half_width.resize(n);
+  into.leaf.resize(n);
+  into.id.resize(n);
+
+  auto b = Kokkos::create_mirror_view(arrays.elastic_left_cauchy_green);
+  auto young = Kokkos::create_mirror_view(arrays.young);
+  auto volume = Kokkos::create_mirror_view(arrays.initial_volume);
+  auto mass = Kokkos::create_mirror_view(arrays.mass);
+  auto layer = Kokkos::create_mirror_view(arrays.layer);
+  auto velocity = Kokkos::create_mirror_view(arrays.velocity);
+  auto acceleration = Kokkos::create_mirror_view(arrays.acceleration);
+  auto strain = Kokkos::create_mirror_view(arrays.trial_strain);
+  auto stress = Kokkos::create_mirror_view(arrays.trial_stress);
 
   for (std::size_t p = 0; p < n; ++p)
   {
-    const auto& particle = order[p].particle;
+    const auto& particle = into.order[p].particle;
     const double* data = particle->get_properties().data();
-    centre[p] = to_array<dim>(particle->get_location());
-    std::copy_n(data + field::half_width, dim, half_width[p].begin());
-    leaf[p] = order[p].leaf;
-    id[p] = particle->get_id();
+    into.centre[p] = to_array<dim>(particle->get_location());
+    std::copy_n(data + field::half_width, dim, into.half_width[p].begin());
+    into.leaf[p] = into.order[p].leaf;
+    into.id[p] = particle->get_id();
     const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
     for (unsigned int i = 0; i < 6; ++i)
     {
@@ -139,16 +158,16 @@ template <int dim> void ParticleSet<dim>::load()
     layer(p) = static_cast<unsigned int>(data[field::layer]);
   }
 
-  Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
-  Kokkos::deep_copy(mirror.young, young);
-  Kokkos::deep_copy(mirror.initial_volume, volume);
-  Kokkos::deep_copy(mirror.mass, mass);
-  Kokkos::deep_copy(mirror.layer, layer);
-  Kokkos::deep_copy(mirror.velocity, velocity);
-  Kokkos::deep_copy(mirror.acceleration, acceleration);
-  Kokkos::deep_copy(mirror.trial_strain, strain);
-  Kokkos::deep_copy(mirror.trial_stress, stress);
-  Kokkos::deep_copy(mirror.trial_plastic, 0.);
+  Kokkos::deep_copy(arrays.elastic_left_cauchy_green, b);
+  Kokkos::deep_copy(arrays.young, young);
+  Kokkos::deep_copy(arrays.initial_volume, volume);
+  Kokkos::deep_copy(arrays.mass, mass);
+  Kokkos::deep_copy(arrays.layer, layer);
+  Kokkos::deep_copy(arrays.velocity, velocity);
+  Kokkos::deep_copy(arrays.acceleration, acceleration);
+  Kokkos::deep_copy(arrays.trial_strain, strain);
+  Kokkos::deep_copy(arrays.trial_stress, stress);
+  Kokkos::deep_copy(arrays.trial_plastic, 0.);
 }
 
 template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
@@ -163,19 +182,23 @@ template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long l
 
 template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& increments, const DomainUpdate domain_update)
 {
+  if (!is_fresh())
+    throw std::logic_error("particles changed between the solution of a step and its commit");
+  const std::vector<Place>& order = mirror.order;
+  const ParticleArrays& arrays = mirror.arrays;
   const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
   const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
   const auto velocity_change =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.velocity_change);
   const auto acceleration = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.acceleration);
   const bool moves = increments.motion.acceleration.extent(0) > 0;
-  const auto strain = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_strain);
-  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_stress);
-  const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mirror.trial_plastic);
+  const auto strain = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_strain);
+  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_stress);
+  const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_plastic);
 
   for (std::size_t p = 0; p < order.size(); ++p)
   {
-    auto& particle = order[p].particle;
+    typename Handler::particle_iterator particle = order[p].particle;
     double* data = particle->get_properties().data();
     dealii::Point<dim> position = particle->get_location();
     for (unsigned int d = 0; d < dim; ++d)
@@ -206,22 +229,22 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
     }
   }
   const long long before = particles.n_global_particles();
-  particles.sort_particles_into_subdomains_and_cells();
+  edit().sort_particles_into_subdomains_and_cells();
   lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
 template <int dim> void ParticleSet<dim>::carry_through(const std::function<void()>& change)
 {
-  particles.prepare_for_coarsening_and_refinement();
+  edit().prepare_for_coarsening_and_refinement();
   change();
   particles.unpack_after_coarsening_and_refinement();
   mesh.update();
 }
 
-template <int dim> void ParticleSet<dim>::balance_load(BackgroundMesh<dim>& mesh_, const double cost)
+template <int dim> void ParticleSet<dim>::balance_load(const double cost)
 {
   const std::vector<double> work = cell_work(cost);
-  carry_through([&] { mesh_.repartition(work); });
+  carry_through([&] { mesh.repartition(work); });
 }
 
 template <int dim> double ParticleSet<dim>::imbalance(const double cost) const
@@ -256,7 +279,9 @@ template <int dim> long long ParticleSet<dim>::remove_if(const std::function<boo
     if (condition(*particle))
       doomed.push_back(particle);
   const long long removed = doomed.size();
-  particles.remove_particles(doomed);
+  if (removed > 0)
+    ++n_changes;
+  particles.remove_particles(doomed); // collective
   return sum_over_ranks(removed, mesh.triangulation().get_communicator());
 }
 
@@ -265,7 +290,7 @@ template <int dim> double ParticleSet<dim>::bytes() const
   const double in_handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
   const double in_arrays =
       sizeof(double) * (6. + 3. + 6. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
-  return particles.n_locally_owned_particles() * in_handler + mirror.n * in_arrays;
+  return particles.n_locally_owned_particles() * in_handler + fresh().arrays.n * in_arrays;
 }
 
 template class ParticleSet<2>;

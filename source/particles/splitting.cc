@@ -59,7 +59,7 @@ template <int dim> class Splitting
 {
 public:
   Splitting(ParticleSet<dim>& particles_, const BackgroundMesh<dim>& mesh_, const unsigned int points_per_axis)
-      : particles(particles_.handler()),
+      : particles(particles_.edit()),
         mesh(mesh_),
         communicator(mesh.triangulation().get_communicator()),
         widest(std::sqrt(2.) / points_per_axis),

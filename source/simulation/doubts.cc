@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <fmt/format.h>
-#include <kedge/bodies/world_axes.h>
+#include <kedge/base/world_axes.h>
 #include <kedge/simulation/doubts.h>
 #include <kedge/simulation/layout.h>
 

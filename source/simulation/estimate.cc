@@ -2,11 +2,9 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <kedge/particles/generation.h>
-#include <kedge/particles/splitting.h>
-#include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/layout.h>
-#include <kedge/simulation/placement.h>
+#include <kedge/soil/placement.h>
 #include <set>
 
 namespace kedge
@@ -68,23 +66,21 @@ public:
   RefinedSoil(const Input& input_, const double most_particles_)
       : input(input_),
         most_particles(most_particles_),
-        mesh(MPI_COMM_SELF, make_grid_layout<dim>(input_)),
-        particles(mesh),
+        soil(make_grid_layout<dim>(input_), input_.material_points, input_.contact, MPI_COMM_SELF),
         bodies(make_rigid_systems(input_.systems, dim))
   {
-    generate_particles(particles, mesh, input.material_points, 0.);
-    particles.load();
+    soil.generate(0.);
   }
 
   void begin(const Stage& stage)
   {
     apply_conditions(bodies, input.systems, stage.point_conditions, dim);
     if (stage.rigid_bodies && stage.surface_placement)
-      place_on_soil<dim>(bodies, particles, MPI_COMM_SELF);
+      place_on_soil<dim>(bodies, soil);
     if (is_refined(stage))
       refine(stage.adaptivity);
     if (stage.rigid_bodies && stage.wished_in_place)
-      remove_buried_particles(particles, bodies);
+      soil.remove_buried(bodies);
   }
 
   void end(const Stage& stage)
@@ -97,7 +93,8 @@ public:
 
   Contents contents() const
   {
-    const LeafTable<dim>& table = mesh.leaves();
+    const LeafTable<dim>& table = soil.mesh().leaves();
+    const ParticleSet<dim>& particles = soil.particles();
     const std::set<unsigned int> cells(particles.leaves().begin(), particles.leaves().end());
     std::set<unsigned int> nodes;
     for (const unsigned int cell : cells)
@@ -113,26 +110,23 @@ private:
   /// Level by level, to stop in time.
   void refine(const Adaptivity& adaptivity)
   {
-    const unsigned int points_per_axis = input.material_points.points_per_axis;
-    const AdaptationHooks hooks{[&] { split_particles(particles, mesh, points_per_axis); }, [] {}};
     Adaptivity level = adaptivity;
-    const double finest = finest_size(adaptivity, mesh.layout().base_size);
-    for (double size = mesh.layout().base_size; size > finest && !counting_stopped;)
+    const double finest = finest_size(adaptivity, soil.mesh().layout().base_size);
+    for (double size = soil.mesh().layout().base_size; size > finest && !counting_stopped;)
     {
       size *= 0.5;
       level.element_size = std::max(size, adaptivity.element_size);
       level.element_size_in_region = std::max(size, adaptivity.element_size_in_region);
       for (std::size_t i = 0; i < level.boxes.size(); ++i)
         level.boxes[i].element_size = std::max(size, adaptivity.boxes[i].element_size);
-      adapt_mesh<dim>(mesh, particles, {bodies, level, points_per_axis, 1.}, hooks);
-      counting_stopped = size > finest && particles.n_global() > most_particles;
+      soil.adapt(bodies, level);
+      counting_stopped = size > finest && soil.particles().n_global() > most_particles;
     }
   }
 
   const Input& input;
   double most_particles;
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
+  Soil<dim> soil;
   RigidSystems bodies;
   bool counting_stopped = false;
 };

@@ -71,7 +71,7 @@ void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigne
                               format_residuals(newton)));
 }
 
-void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepState& state)
+void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state)
 {
   StageSummary& stage = summary.stages.back();
   stage.penetration = std::max(stage.penetration, state.penetration);
@@ -91,7 +91,7 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
   terminal.progress(shown);
 }
 
-void RunLog::end_stage(const StepState& state, const long long cells, const double particle_bytes,
+void RunLog::end_stage(const StepSummary& state, const long long cells, const double particle_bytes,
                        const double basis_bytes)
 {
   terminal.end_progress();

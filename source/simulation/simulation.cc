@@ -5,20 +5,14 @@
 #include <kedge/base/exceptions.h>
 #include <kedge/output/checkpoint.h>
 #include <kedge/output/snapshots.h>
-#include <kedge/particles/cleaning.h>
-#include <kedge/particles/generation.h>
-#include <kedge/particles/merging.h>
-#include <kedge/particles/splitting.h>
-#include <kedge/simulation/adaptation.h>
 #include <kedge/simulation/checkpoints.h>
 #include <kedge/simulation/doubts.h>
-#include <kedge/simulation/explicit_step.h>
 #include <kedge/simulation/layout.h>
-#include <kedge/simulation/moving_window.h>
-#include <kedge/simulation/placement.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/simulation.h>
-#include <kedge/simulation/step_problem.h>
+#include <kedge/soil/placement.h>
+#include <kedge/steps/explicit_step.h>
+#include <kedge/steps/implicit_step.h>
 #include <numeric>
 #include <optional>
 
@@ -26,17 +20,6 @@ namespace kedge
 {
 namespace
 {
-/// A particle's work in a step relative to that of an empty cell, for the partition.
-constexpr double particle_cost = 20.;
-
-Materials upload_layers(const std::vector<Layer>& layers)
-{
-  std::vector<MaterialParameters> parameters;
-  for (const Layer& layer : layers)
-    parameters.push_back(layer.material);
-  return upload_materials(parameters);
-}
-
 double magnitude(const std::array<double, 3>& x)
 {
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
@@ -53,18 +36,19 @@ private:
   void resume();
   void enter_stage(unsigned int number);
   void begin_stage(unsigned int number);
+  void bury_bodies();
   bool run_stage();
-  void write_restart_file(const Clock& clock);
   NewtonReport attempt_step(const Clock& clock);
   void prepare_step();
-  void follow_bodies_with_window();
-  void move_window_to(const Window<dim>& window);
-  void remove_hopeless();
+  void move_window();
+  void clean();
   void adapt();
-  NewtonReport find_equilibrium(const Clock& clock);
-  void commit_trial();
-  StepState step_state() const;
+  std::unique_ptr<TrialStep<dim>> make_step();
+  StepLoad load_at(const Clock& clock) const;
+  void commit_step();
+  StepSummary summarise_step() const;
   void write_output(const Clock& clock, bool even_if_not_due);
+  void write_restart_file(const Clock& clock);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
   void end_stage();
 
@@ -74,36 +58,28 @@ private:
   double finished_time = 0.;     ///< of the stages before: s, a static one counts 1
   RunLog log;
 
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
-  Materials materials;
+  Soil<dim> soil;
   RigidSystems bodies;
-  Contact<dim> contact;
   OutputWriter<dim> writer;
   CheckpointSchedule checkpoints;
-  std::optional<ClockState> resumed; ///< where the stage goes on that a restart file was written in
+  std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
 
-  std::unique_ptr<TrialStep<dim>> problem; ///< the current step; survives a cut
-  StepLoad load;
-  Prediction prediction;          ///< for the next step of this stage
-  std::vector<Vector6> reactions; ///< of the last converged step, as the next
+  std::unique_ptr<TrialStep<dim>> step; ///< the current one; survives a cut
+  std::vector<Vector6> reactions;       ///< of the last converged step, as the next
   std::vector<typename Contact<dim>::Touch> touches;
   bool has_warned_of_window = false;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
-  long long deleted = 0, dofs = 0;
+  long long dofs = 0;
   double basis_bytes = 0.;
-  unsigned int step = 1; ///< global counter; the first converged step is number 2, as the file names have it
+  unsigned int step_number = 1; ///< global counter; the first converged step is number 2, as the file names have it
 };
 
 template <int dim>
 Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
     : input(input_),
       log(input_, options),
-      mesh(MPI_COMM_WORLD, make_grid_layout<dim>(input_)),
-      particles(mesh),
-      materials(upload_layers(input_.material_points.layers)),
+      soil(make_grid_layout<dim>(input_), input_.material_points, input_.contact, MPI_COMM_WORLD),
       bodies(make_rigid_systems(input_.systems, dim)),
-      contact(input_.contact, MPI_COMM_WORLD),
       writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD),
       checkpoints(input_.output, options.output_directory)
 {
@@ -125,39 +101,19 @@ template <int dim> void Simulation<dim>::generate(const RunOptions& options)
                     write_text_file(copy, input.effective_json);
                 });
   const auto scope = log.timings().measure("generation");
-  generate_particles(particles, mesh, input.material_points, magnitude(input.gravity));
-  particles.balance_load(mesh, particle_cost);
-  particles.load();
+  soil.generate(magnitude(input.gravity));
 }
 
 template <int dim> void Simulation<dim>::resume()
 {
-  RunProgress progress;
-  read_checkpoint<dim>({mesh, particles, bodies, contact, prediction, progress}, input.effective_json,
-                       checkpoints.path(), particle_cost);
+  const RunProgress progress = read_checkpoint<dim>(soil, bodies, input.effective_json, checkpoints.path());
   enter_stage(progress.stage);
   log.resume(stage->stepping, progress.summary, stage_number);
   writer.resume_after(progress.step);
-  step = progress.step;
-  deleted = progress.deleted;
+  step_number = progress.step;
   has_warned_of_window = progress.has_warned_of_window;
   resumed = progress.clock;
-  log.report().line(fmt::format("going on after step {} from {}", step, checkpoints.path()));
-}
-
-template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
-{
-  const auto scope = log.timings().measure("restart files");
-  if (rank_of(MPI_COMM_WORLD) == 0)
-  {
-    std::error_code ignored; // the writer reports what cannot be written
-    std::filesystem::create_directories(std::filesystem::path(checkpoints.path()).parent_path(), ignored);
-  }
-  RunProgress progress{
-      stage_number,         clock.state(),       step, log.steps_in_stage(), deleted, // the writer adds those lost
-      has_warned_of_window, log.text_of_stages()};
-  write_checkpoint<dim>({mesh, particles, bodies, contact, prediction, progress}, input.effective_json,
-                        checkpoints.path());
+  log.report().line(fmt::format("going on after step {} from {}", step_number, checkpoints.path()));
 }
 
 template <int dim> bool Simulation<dim>::run()
@@ -192,23 +148,31 @@ template <int dim> void Simulation<dim>::enter_stage(const unsigned int number)
 template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
   enter_stage(number);
-  prediction.clear();
+  soil.forget_prediction();
   for (RigidPoint& point : bodies.points)
     point.last_increment.setZero();
   if (stage->rigid_bodies && stage->surface_placement)
-    place_on_soil<dim>(bodies, particles, MPI_COMM_WORLD);
+    place_on_soil<dim>(bodies, soil);
   log.begin_stage(stage->stepping, bodies);
-  move_window_to(place_window<dim>(stage->track, extent_of<dim>(bodies), mesh.layout()));
-  if (!stage->rigid_bodies || !stage->wished_in_place)
-    return;
+  {
+    const auto scope = log.timings().measure("window");
+    soil.place_window(bodies, stage->track);
+  }
+  if (stage->rigid_bodies && stage->wished_in_place)
+    bury_bodies();
+}
+
+/// Bodies that are wished in place begin in a hole of their shape.
+template <int dim> void Simulation<dim>::bury_bodies()
+{
   adapt(); // the finer the cells, the smaller the steps of the hole
-  const long long removed = remove_buried_particles(particles, bodies);
-  deleted += removed;
+  const long long removed = soil.remove_buried(bodies);
   log.report().line(fmt::format("{} material points inside buried bodies removed", removed));
   take_reference_gaps = true;
 }
 
-/// False where the run was told to end.
+/// The method, step by step: solve for the trial state, make it the committed one or try a smaller step. False where
+/// the run was told to end.
 template <int dim> bool Simulation<dim>::run_stage()
 {
   Clock clock(requested_steps(stage->stepping), input.solver.minimum_step_fraction);
@@ -217,17 +181,17 @@ template <int dim> bool Simulation<dim>::run_stage()
   resumed.reset();
   while (!clock.at_end())
   {
-    const NewtonReport newton = attempt_step(clock);
-    if (newton.converged)
+    const NewtonReport report = attempt_step(clock);
+    if (report.converged)
     {
-      commit_trial();
+      commit_step();
       clock.advance();
-      ++step;
+      ++step_number;
     }
-    log.count(newton, clock, step);
-    if (newton.converged)
+    log.count(report, clock, step_number);
+    if (report.converged)
     {
-      log.progress(newton, clock, step_state());
+      log.progress(report, clock, summarise_step());
       write_output(clock, false);
       const bool is_due = checkpoints.due();
       if (is_due || (clock.at_end() && stage_number + 1 < input.stages.size())) // the next stage may fail at once
@@ -236,19 +200,20 @@ template <int dim> bool Simulation<dim>::run_stage()
         return false;
     }
     else if (!clock.cut())
-      give_up(clock, newton);
+      give_up(clock, report);
   }
   return true;
 }
 
-/// Gives up where the equations cannot even be set up: a smaller step would meet the same.
+/// Goes to the end of a step without committing anything; what was prepared survives a cut. Gives up where the
+/// equations cannot even be set up: a smaller step would meet the same.
 template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock)
 {
   try
   {
-    if (!problem)
+    if (!step)
       prepare_step();
-    return find_equilibrium(clock);
+    return step->solve(load_at(clock));
   }
   catch (const SolverError& error)
   {
@@ -258,59 +223,40 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
   }
 }
 
-/// What a cut step does not repeat.
+/// Fits soil and mesh to where the bodies are, then sets up basis, numbering, contact pairs and matrix.
 template <int dim> void Simulation<dim>::prepare_step()
 {
-  follow_bodies_with_window();
-  remove_hopeless();
+  move_window();
+  clean();
   adapt();
-  const StepScene<dim> scene{input, *stage, mesh, particles, materials, bodies, contact, log.timings()};
-  if (stage->stepping.type == StageType::explicit_)
-    problem = std::make_unique<ExplicitStep<dim>>(scene);
-  else
-    problem = std::make_unique<StepProblem<dim>>(scene);
+  step = make_step();
   if (take_reference_gaps)
-    contact.take_reference_gaps(bodies);
+    soil.contact().take_reference_gaps(bodies);
   take_reference_gaps = false;
 }
 
-template <int dim> void Simulation<dim>::follow_bodies_with_window()
+template <int dim> void Simulation<dim>::move_window()
 {
-  const Extent<dim> extent = extent_of<dim>(bodies);
-  move_window_to(advance_window<dim>(mesh.leaves().window, stage->track, extent, mesh.layout()));
-  if (!has_warned_of_window && reach_beyond<dim>(mesh.leaves().window, extent, mesh.layout()))
   {
-    log.report().warn(fmt::format("step {}: a body reaches beyond a plane of the window, which may not follow it that "
-                                  "way, into soil that is not active; set \"advance\" to \"both\"",
-                                  step));
-    has_warned_of_window = true;
+    const auto scope = log.timings().measure("window");
+    soil.move_window(bodies, stage->track);
   }
+  if (has_warned_of_window ||
+      !reach_beyond<dim>(soil.mesh().leaves().window, extent_of<dim>(bodies), soil.mesh().layout()))
+    return;
+  log.report().warn(fmt::format("step {}: a body reaches beyond a plane of the window, which may not follow it that "
+                                "way, into soil that is not active; set \"advance\" to \"both\"",
+                                step_number));
+  has_warned_of_window = true;
 }
 
-template <int dim> void Simulation<dim>::move_window_to(const Window<dim>& window)
-{
-  if (window == mesh.leaves().window)
-    return;
-  const auto scope = log.timings().measure("window");
-  deleted += move_window<dim>(mesh, particles, window, stage->track);
-  const LeafTable<dim> before = mesh.leaves();
-  if (!balance_where_it_pays(mesh, particles, particle_cost))
-    return;
-  particles.load();
-  contact.follow_particles(particles.ids());
-  prediction = transfer_prediction<dim>(prediction, before, mesh.leaves());
-}
-
-template <int dim> void Simulation<dim>::remove_hopeless()
+template <int dim> void Simulation<dim>::clean()
 {
   const auto scope = log.timings().measure("clean");
-  const HopelessParticles removed = remove_hopeless_particles(particles, mesh);
-  if (removed.distorted + removed.isolated == 0)
-    return;
-  deleted += removed.distorted + removed.isolated;
-  particles.load();
-  log.report().line(fmt::format("step {}: {} distorted and {} isolated material points removed", step,
-                                removed.distorted, removed.isolated));
+  const HopelessParticles removed = soil.clean();
+  if (removed.distorted + removed.isolated > 0)
+    log.report().line(fmt::format("step {}: {} distorted and {} isolated material points removed", step_number,
+                                  removed.distorted, removed.isolated));
 }
 
 template <int dim> void Simulation<dim>::adapt()
@@ -318,44 +264,20 @@ template <int dim> void Simulation<dim>::adapt()
   if (stage->adaptivity.type != AdaptivityType::rigid_body_surface || !stage->rigid_bodies)
     return;
   const auto scope = log.timings().measure("adapt");
-  const unsigned int points_per_axis = input.material_points.points_per_axis;
-  const LeafTable<dim> before = mesh.leaves();
-  const AdaptationHooks hooks{[&] { contact.inherit(split_particles(particles, mesh, points_per_axis)); },
-                              [&] { contact.follow_particles(particles.ids()); }};
-  if (!adapt_mesh<dim>(mesh, particles, {bodies, stage->adaptivity, points_per_axis, particle_cost}, hooks))
-    return;
-  prediction = transfer_prediction<dim>(prediction, before, mesh.leaves());
-  if (!stage->adaptivity.merge)
-    return;
-  const MergeResult merged = merge_particles<dim>(particles, mesh, points_per_axis, [](const auto&) { return false; });
-  if (merged.removed > 0)
-  {
-    particles.load();
-    contact.follow_particles(particles.ids());
-  }
+  soil.adapt(bodies, stage->adaptivity);
 }
 
-template <int dim> StepState Simulation<dim>::step_state() const
+template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 {
-  StepState state;
-  state.step = step;
-  state.particles = particles.n_global();
-  state.deleted = deleted + particles.n_lost();
-  state.dofs = dofs;
-  state.penetration = stage->rigid_bodies ? contact.deepest_penetration() : 0.;
-  return state;
+  const StepContext<dim> context{input.gravity, input.basis, input.solver, *stage, soil, bodies, log.timings()};
+  if (stage->stepping.type == StageType::explicit_)
+    return std::make_unique<ExplicitStep<dim>>(context);
+  return std::make_unique<ImplicitStep<dim>>(context);
 }
 
-template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
-  const auto scope = log.timings().measure("output");
-  const double time = clock.steps_done() * step_length(stage->stepping);
-  writer.write_if_due({particles, mesh, bodies, reactions, touches, stage_number + 1, step, time, finished_time + time},
-                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
-}
-
-template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& clock)
-{
+  StepLoad load;
   load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
   load.step_fraction = clock.step_fraction();
   load.newmark = {stage->stepping.beta, stage->stepping.gamma,
@@ -363,32 +285,57 @@ template <int dim> NewtonReport Simulation<dim>::find_equilibrium(const Clock& c
   load.begins_stage = log.steps_in_stage() == 0;
   load.starts_at_rest =
       load.begins_stage && (stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
-  load.body_increments.clear();
   for (const RigidPoint& point : bodies.points)
     load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
-  return problem->solve(load, prediction);
+  return load;
 }
 
-template <int dim> void Simulation<dim>::commit_trial()
+/// Makes the trial state of soil and bodies the committed one.
+template <int dim> void Simulation<dim>::commit_step()
 {
-  const ParticleIncrements increments = problem->particle_increments();
-  reactions = problem->reactions();
-  touches = contact.touches();
-  problem->move_bodies(bodies);
+  const SoilIncrements increments = step->soil_increments();
+  reactions = step->reactions();
+  touches = soil.contact().touches();
+  step->move_bodies(bodies);
+  dofs = step->n_dofs();
+  basis_bytes = step->basis_bytes();
 
   const auto scope = log.timings().measure("commit");
-  if (stage->rigid_bodies)
+  step.reset(); // its memory is not needed any more
+  soil.commit(increments, stage->rigid_bodies ? &bodies : nullptr);
+}
+
+template <int dim> StepSummary Simulation<dim>::summarise_step() const
+{
+  StepSummary summary;
+  summary.step = step_number;
+  summary.particles = soil.particles().n_global();
+  summary.deleted = soil.n_deleted();
+  summary.dofs = dofs;
+  summary.penetration = stage->rigid_bodies ? soil.contact().deepest_penetration() : 0.;
+  return summary;
+}
+
+template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+{
+  const auto scope = log.timings().measure("output");
+  const double time = clock.steps_done() * step_length(stage->stepping);
+  writer.write_if_due({soil.particles(), soil.mesh(), bodies, reactions, touches, stage_number + 1, step_number, time,
+                       finished_time + time},
+                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
+}
+
+template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
+{
+  const auto scope = log.timings().measure("restart files");
+  if (rank_of(MPI_COMM_WORLD) == 0)
   {
-    particles.set_contact_gaps(contact.smallest_gaps(bodies));
-    contact.commit();
+    std::error_code ignored; // the writer reports what cannot be written
+    std::filesystem::create_directories(std::filesystem::path(checkpoints.path()).parent_path(), ignored);
   }
-  dofs = problem->n_dofs();
-  basis_bytes = problem->basis_bytes();
-  prediction = problem->predict_next();
-  problem.reset();
-  particles.commit(increments, input.material_points.domain_update);
-  particles.load();
-  contact.follow_particles(particles.ids());
+  const RunProgress progress{stage_number,         clock.state(),        step_number,
+                             log.steps_in_stage(), has_warned_of_window, log.text_of_stages()};
+  write_checkpoint<dim>(soil, bodies, progress, input.effective_json, checkpoints.path());
 }
 
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
@@ -415,11 +362,8 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
 
 template <int dim> void Simulation<dim>::end_stage()
 {
-  problem.reset();
-  long long cells = 0;
-  for (const auto& cell : mesh.triangulation().active_cell_iterators())
-    cells += cell->is_locally_owned() && mesh.in_window(cell) && particles.handler().n_particles_in_cell(cell) > 0;
-  log.end_stage(step_state(), sum_over_ranks(cells, MPI_COMM_WORLD), particles.bytes(), basis_bytes);
+  step.reset();
+  log.end_stage(summarise_step(), soil.count_cells(), soil.particles().bytes(), basis_bytes);
 }
 } // namespace
 

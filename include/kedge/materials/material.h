@@ -7,6 +7,7 @@
 #include <kedge/materials/spatial_tangent.h>
 #include <kedge/materials/willam_warnke.h>
 #include <limits>
+#include <vector>
 
 namespace kedge
 {
@@ -32,6 +33,10 @@ struct Material
 
 /// Computes the constants once, on the host.
 Material make_material(const MaterialParameters& parameters);
+
+/// The laws of the layers, in their order, on the device.
+using Materials = View<Material*>;
+Materials upload_materials(const std::vector<MaterialParameters>& parameters);
 
 /// Young's modulus (Pa) of a point under the initial vertical stress (Pa, compression positive): E, or with "E
 /// overburden" E (sigma_v / reference stress)^exponent. sigma_v counts as at least 1e-4 of the reference stress (10 Pa

@@ -26,7 +26,7 @@ public:
   void repartition(const std::vector<double>& work = {});
 
   /// Sets where soil is active; the whole grid at first. The leaves keep their numbers.
-  void set_window(const Window<dim>& window) { table.window = window; }
+  void set_window(const Window<dim>& window);
   /// Of an owned or ghost cell.
   bool in_window(const Cell& cell) const { return table.in_window(table.leaves[leaf_number(cell)]); }
 
@@ -35,6 +35,8 @@ public:
 
   /// The table of the last update().
   const LeafTable<dim>& leaves() const { return table; }
+  /// Grows with every change of cells or window, for whoever keeps data by cell.
+  unsigned long version() const { return n_changes; }
   /// Number of the leaf of an owned or ghost cell in leaves().
   unsigned int leaf_number(const Cell& cell) const { return leaf_of_cell[cell->active_cell_index()]; }
 
@@ -45,5 +47,6 @@ private:
   dealii::MappingCartesian<dim> cartesian;
   LeafTable<dim> table;
   std::vector<unsigned int> leaf_of_cell;
+  unsigned long n_changes = 0;
 };
 } // namespace kedge

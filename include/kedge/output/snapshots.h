@@ -12,7 +12,7 @@
 namespace kedge
 {
 /// Everything a snapshot shows of one moment.
-template <int dim> struct OutputState
+template <int dim> struct Snapshot
 {
   const ParticleSet<dim>& particles;
   const BackgroundMesh<dim>& mesh;
@@ -37,14 +37,14 @@ public:
   void resume_after(unsigned int step);
   void begin_stage(unsigned int n_steps);
   /// Nothing is written twice: neither what this run wrote nor what the earlier one of a restart had reached.
-  void write_if_due(const OutputState<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
+  void write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
 
 private:
   using Layers = std::vector<std::vector<ParticleView>>;
 
-  void write_snapshot(const OutputState<dim>& state, const Layers& layers, const std::vector<ContactForce>& contact);
-  void write_piece(const std::string& series, const UnstructuredGrid& grid, const OutputState<dim>& state);
-  void write_on_root(const std::string& series, const UnstructuredGrid& grid, const OutputState<dim>& state);
+  void write_snapshot(const Snapshot<dim>& state, const Layers& layers, const std::vector<ContactForce>& contact);
+  void write_piece(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state);
+  void write_on_root(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state);
   void list(const std::string& series, const std::string& file, double time);
 
   OutputParameters parameters;

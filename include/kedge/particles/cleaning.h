@@ -23,7 +23,7 @@ struct HopelessParticles
 /// cell's faces. Such a particle hangs on nodes of its own, without stiffness but its own. Domains must not reach
 /// beyond the cells next to those of their rank, which split particles never do.
 ///
-/// Collective. Call before split_particles; call load() afterwards.
+/// Collective. Domains of particles that wait for splitting count as they are.
 template <int dim>
 HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh);
 } // namespace kedge

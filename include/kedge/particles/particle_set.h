@@ -12,6 +12,9 @@
 namespace kedge
 {
 /// Particles in cells outside the mesh's window wait: the handler keeps them as they are, the arrays do not know them.
+///
+/// The arrays follow the handler and the mesh by themselves: what is read after a change is filled anew first, which
+/// drops trial data.
 template <int dim> class ParticleSet
 {
 public:
@@ -20,33 +23,31 @@ public:
 
   explicit ParticleSet(BackgroundMesh<dim>& mesh);
 
-  Handler& handler() { return particles; }
   const Handler& handler() const { return particles; }
-  ParticleArrays& arrays() { return mirror; }
-  const ParticleArrays& arrays() const { return mirror; }
+  /// The same for a change of the particles.
+  Handler& edit();
 
-  /// Per particle of this rank, in the order of the arrays: centre and half-widths of the domain (m), number and leaf.
-  const std::vector<std::array<double, dim>>& positions() const { return centre; }
-  const std::vector<std::array<double, dim>>& half_widths() const { return half_width; }
-  const std::vector<unsigned int>& leaves() const { return leaf; }
-  const std::vector<long long>& ids() const { return id; }
-
-  /// Fills the arrays from the ParticleHandler. Call after any change of particles, mesh or window.
-  void load();
+  /// Per particle of this rank: what the kernels know of it, centre and half-widths of its domain (m), number, leaf.
+  const ParticleArrays& arrays() const { return fresh().arrays; }
+  const std::vector<std::array<double, dim>>& positions() const { return fresh().centre; }
+  const std::vector<std::array<double, dim>>& half_widths() const { return fresh().half_width; }
+  const std::vector<unsigned int>& leaves() const { return fresh().leaf; }
+  const std::vector<long long>& ids() const { return fresh().id; }
 
   /// Notes the smallest gap (m) of each particle that is near a body; the others get NaN.
   void set_contact_gaps(const std::map<long long, double>& gaps);
 
   /// Makes the trial state of a converged step the committed one and re-sorts the particles into cells and ranks.
+  /// Collective.
   void commit(const ParticleIncrements& increments, DomainUpdate domain_update);
 
-  /// Carries the particles through a change of the forest's cells and updates the mesh. Call load() afterwards.
+  /// Carries the particles through a change of the forest's cells and updates the mesh. Collective.
   void carry_through(const std::function<void()>& change);
 
   /// Spreads cells with their particles anew over the ranks. `cost` is the work of a particle that sees the nodes of
   /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see; waiting
-  /// particles cost nothing. Call load() afterwards.
-  void balance_load(BackgroundMesh<dim>& mesh, double cost);
+  /// particles cost nothing. Collective.
+  void balance_load(double cost);
   /// Work of the busiest rank over the mean, at least 1. Collective.
   double imbalance(double cost) const;
 
@@ -66,6 +67,20 @@ private:
     unsigned int leaf;
     typename Handler::particle_iterator particle;
   };
+  /// What is filled from the handler, with the change of the particles and of the mesh that it belongs to.
+  struct Mirror
+  {
+    std::vector<Place> order;
+    ParticleArrays arrays;
+    std::vector<std::array<double, dim>> centre, half_width;
+    std::vector<unsigned int> leaf;
+    std::vector<long long> id;
+    unsigned long change = 0, mesh_version = 0;
+  };
+
+  bool is_fresh() const { return mirror.change == n_changes && mirror.mesh_version == mesh.version(); }
+  const Mirror& fresh() const;
+  void fill(Mirror& into) const;
   std::vector<typename BackgroundMesh<dim>::Cell> active_cells() const;
   /// By leaf and number: how cells were refined and in which order particles came does not show in any sum over them,
   /// so that a run that was restarted goes on bit for bit.
@@ -74,11 +89,8 @@ private:
 
   BackgroundMesh<dim>& mesh;
   Handler particles;
-  std::vector<Place> order; ///< of the arrays
-  ParticleArrays mirror;
-  std::vector<std::array<double, dim>> centre, half_width;
-  std::vector<unsigned int> leaf;
-  std::vector<long long> id;
+  mutable Mirror mirror;       ///< filled when it is read
+  unsigned long n_changes = 1; ///< of the particles
   long long lost = 0;
 };
 } // namespace kedge

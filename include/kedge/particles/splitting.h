@@ -23,7 +23,7 @@ template <int dim> struct Split
 /// inside. Children end up on the rank that owns their cell, however far that is.
 ///
 /// Returns the splits of the particles that this rank held, also of those children that other ranks had to split
-/// again; a parent precedes its children. Collective; one reduction where nothing is to split. Call load() afterwards.
+/// again; a parent precedes its children. Collective; one reduction where nothing is to split.
 template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         unsigned int points_per_axis);

@@ -2,36 +2,16 @@
 #pragma once
 
 #include <array>
-#include <kedge/bodies/parameters.h>
 #include <kedge/contact/parameters.h>
-#include <kedge/mesh/parameters.h>
 #include <kedge/output/parameters.h>
 #include <kedge/particles/parameters.h>
 #include <kedge/solvers/parameters.h>
-#include <kedge/time/parameters.h>
+#include <kedge/steps/stage.h>
 #include <string>
 #include <vector>
 
 namespace kedge
 {
-enum class Basis
-{
-  gimp,
-  mpm
-};
-
-struct Stage
-{
-  SteppingParameters stepping;
-  bool rigid_bodies = false;
-  BoundaryConditions boundary_conditions;
-  Adaptivity adaptivity;
-  bool surface_placement = false;
-  bool wished_in_place = false;
-  std::vector<PointConditionsOverride> point_conditions;
-  BoundaryTrack track;
-};
-
 struct Input
 {
   bool gpu = false;

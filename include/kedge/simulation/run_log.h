@@ -12,7 +12,7 @@
 namespace kedge
 {
 /// What there is at the end of a step, over all ranks.
-struct StepState
+struct StepSummary
 {
   unsigned int step = 1;                ///< global counter
   long long particles = 0, deleted = 0; ///< now; since the run began
@@ -41,10 +41,10 @@ public:
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
-  void progress(const NewtonReport& newton, const Clock& clock, const StepState& state);
+  void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
   /// `cells` hold soil; `particle_bytes` and `basis_bytes` are what this rank's particles and stencils take.
   /// Collective.
-  void end_stage(const StepState& state, long long cells, double particle_bytes, double basis_bytes);
+  void end_stage(const StepSummary& state, long long cells, double particle_bytes, double basis_bytes);
   /// Writes summary.json with "finished" or what went wrong. Collective.
   void finish(const std::string& status);
 

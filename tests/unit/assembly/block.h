@@ -1,27 +1,16 @@
 // A block of soil with hanging nodes and particles that straddle cells, ready for the kernels.
 #pragma once
 
-#include "../mesh/refined_mesh.h"
-#include "../on_host.h"
+#include "../soil_fixture.h"
 #include <functional>
 #include <kedge/assembly/system.h>
 #include <kedge/basis/active_nodes.h>
 #include <kedge/basis/gimp.h>
-#include <kedge/particles/generation.h>
 #include <memory>
 
 namespace kedge::test
 {
-/// The laws of the layers on the device.
-inline Materials laws_of(const std::vector<Layer>& layers)
-{
-  std::vector<MaterialParameters> parameters;
-  for (const Layer& layer : layers)
-    parameters.push_back(layer.material);
-  return upload_materials(parameters);
-}
-
-inline MaterialParameters soil(const MaterialType type)
+inline MaterialParameters soil_material(const MaterialType type)
 {
   MaterialParameters parameters;
   parameters.type = type;
@@ -96,28 +85,20 @@ template <int dim> struct Discretisation
 };
 
 /// Soil under isotropic pressure with some shear, random but the same on any number of ranks.
-template <int dim> struct Block
+template <int dim> struct Block : SoilFixture<dim>
 {
   static constexpr double cell = 0.3;
+  using SoilFixture<dim>::particles;
 
   explicit Block(const MaterialType type, const MPI_Comm communicator = MPI_COMM_WORLD, const bool stressed = true)
-      : mesh(communicator, layout()), particles(mesh)
+      : SoilFixture<dim>(layout(), layers_of({{1., soil_material(type)}}), 9.81, {}, communicator),
+        materials(this->soil.materials())
   {
-    MaterialPointParameters parameters;
-    parameters.layers = {{1., soil(type)}};
-    materials = laws_of(parameters.layers);
-    generate_particles(particles, mesh, parameters, 9.81);
     if (stressed)
       stress();
-    particles.balance_load(mesh, 5.);
-    particles.handler().prepare_for_coarsening_and_refinement();
-    refine_some_cells(mesh, 11);
-    particles.handler().unpack_after_coarsening_and_refinement();
-    mesh.update();
-    particles.load();
+    this->refine(false, 11);
     shake();
-    particles.load();
-    parts = std::make_unique<Discretisation<dim>>(mesh, particles);
+    parts = std::make_unique<Discretisation<dim>>(this->mesh, particles);
   }
 
   static GridLayout<dim> layout()
@@ -130,7 +111,7 @@ template <int dim> struct Block
 
   void stress()
   {
-    for (auto& particle : particles.handler())
+    for (auto& particle : particles.edit())
       for (unsigned int i = 0; i < 6; ++i)
         particle.get_properties()[field::elastic_strain + i] =
             (i < 3 ? -1e-2 : 0.) + (i < 3 ? 1.2e-2 : 3e-2) * (noise(particle.get_id(), i) - 0.5);
@@ -139,20 +120,7 @@ template <int dim> struct Block
   /// Moves the particles off their lattice, far enough for boxes to straddle faces, edges and corners.
   void shake()
   {
-    ParticleIncrements increments;
-    increments.displacement = View<double* [3]>("displacement", particles.ids().size());
-    increments.deformation_gradient = View<double* [9]>("dF", particles.ids().size());
-    const auto u = Kokkos::create_mirror_view(increments.displacement);
-    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
-    for (std::size_t p = 0; p < particles.ids().size(); ++p)
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        u(p, d) = 0.4 * cell * (noise(particles.ids()[p], 10 + d) - 0.5);
-        f(p, 4 * d) = 1.;
-      }
-    Kokkos::deep_copy(increments.displacement, u);
-    Kokkos::deep_copy(increments.deformation_gradient, f);
-    particles.commit(increments, DomainUpdate::none);
+    this->move([](const long long id, const unsigned int d) { return 0.4 * cell * (noise(id, 10 + d) - 0.5); });
   }
 
   /// Increments at random with strains of about the given size.
@@ -162,8 +130,6 @@ template <int dim> struct Block
     { return strain * cell * (noise_at(x, dim, salt + d) - 0.5); };
   }
 
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
   Materials materials;
   std::unique_ptr<Discretisation<dim>> parts;
 };

@@ -27,7 +27,8 @@ public:
   {
     MaterialPointParameters parameters;
     parameters.points_per_axis = 2;
-    parameters.layers = {{0.6, test::soil(MaterialType::elastic)}, {2.15, test::soil(MaterialType::mohr_coulomb)}};
+    parameters.layers = {{0.6, test::soil_material(MaterialType::elastic)},
+                         {2.15, test::soil_material(MaterialType::mohr_coulomb)}};
     parameters.layers[0].material.density = 1500.;
     parameters.layers[0].material.young = 2e6;
     parameters.layers[1].material.overburden = Overburden{1e5, 0.5};
@@ -43,20 +44,16 @@ TYPED_TEST_SUITE(InitialStress, Dimensions, test::DimensionName);
 TYPED_TEST(InitialStress, BalancesTheWeightOfLayers)
 {
   constexpr int dim = TypeParam::value;
-  BackgroundMesh<dim> mesh(MPI_COMM_WORLD, this->layout());
-  ParticleSet<dim> particles(mesh);
-  const MaterialPointParameters parameters = this->two_layers();
-  generate_particles(particles, mesh, parameters, 9.81);
-  particles.balance_load(mesh, 20.);
-  particles.load();
-  const test::Discretisation<dim> parts(mesh, particles);
+  const test::SoilFixture<dim> block(this->layout(), this->two_layers(), 9.81);
+  const ParticleSet<dim>& particles = block.particles;
+  const test::Discretisation<dim> parts(block.mesh, particles);
   const std::unique_ptr<System> system = parts.make_system();
 
   const NodalVector force = system->make_nodal_vector();
   std::array<double, 3> gravity{};
   gravity[dim - 1] = -9.81;
-  update_stress_and_force<dim>(particles.arrays(), parts.stencils, test::laws_of(parameters.layers),
-                               system->make_nodal_vector(), force);
+  update_stress_and_force<dim>(particles.arrays(), parts.stencils, block.soil.materials(), system->make_nodal_vector(),
+                               force);
   add_weight<dim>(particles.arrays(), parts.stencils, gravity, -1., force);
   TpetraVector residual(system->graph().row_map);
   system->collect(force, residual);
@@ -67,7 +64,7 @@ TYPED_TEST(InitialStress, BalancesTheWeightOfLayers)
     for (unsigned int d = 0; d < dim; ++d)
     {
       const double x = parts.position[v][d];
-      const bool on_support = x < 1e-9 || (d < dim - 1 && x > mesh.layout().extent(d) - 1e-9);
+      const bool on_support = x < 1e-9 || (d < dim - 1 && x > block.mesh.layout().extent(d) - 1e-9);
       (on_support ? held : free) = std::max(on_support ? held : free, std::abs(r(dim * v + d, 0)));
     }
   held = max_over_ranks(held, MPI_COMM_WORLD);

@@ -29,10 +29,10 @@ template <int dim> struct Scene
         data[field::deformation_gradient + 4 * d] = 1.;
       data[field::initial_volume] = 10. + id;
       data[field::layer] = x[dim - 1] > 1. ? 0. : 1.;
-      particles.handler().insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,
-                                          dealii::ArrayView<const double>(data.data(), data.size()));
+      particles.edit().insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,
+                                       dealii::ArrayView<const double>(data.data(), data.size()));
     }
-    particles.handler().update_cached_numbers();
+    particles.edit().update_cached_numbers();
   }
 
   static GridLayout<dim> layout()
@@ -44,7 +44,7 @@ template <int dim> struct Scene
     return grid;
   }
 
-  OutputState<dim> state(unsigned int step) const
+  Snapshot<dim> state(unsigned int step) const
   {
     return {particles, mesh, bodies, reactions, touches, 1, step, 0.5, 10.5};
   }

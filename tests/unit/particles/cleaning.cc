@@ -19,7 +19,7 @@ public:
   template <typename Change> long long change_some(const Change& change)
   {
     long long changed = 0;
-    for (auto& particle : block.particles.handler())
+    for (auto& particle : block.particles.edit())
       if (particle.get_id() % 10 == 0)
       {
         change(particle.get_properties().data());
@@ -48,7 +48,7 @@ public:
   {
     block.refine(false, 0);
     block.particles.remove_if([](const auto& particle) { return test::noise(particle.get_id(), 60) > 0.06; });
-    for (auto& particle : block.particles.handler())
+    for (auto& particle : block.particles.edit())
       if (particle.get_id() % 3 == 0)
         particle.get_properties()[field::half_width] = 0.2;
   }
@@ -132,7 +132,7 @@ TYPED_TEST(Cleaning, KeepsNeighboursAcrossAFace)
 TYPED_TEST(Cleaning, SeesDomainsThatReachIntoTheNextCell)
 {
   this->keep_only({0.375, 1.125});
-  for (auto& particle : this->block.particles.handler())
+  for (auto& particle : this->block.particles.edit())
     if (particle.get_location()[0] > 1.)
       particle.get_properties()[field::half_width] = 0.2;
   EXPECT_EQ(this->clean().isolated, 1);

@@ -34,14 +34,14 @@ public:
   static void scatter(test::SoilBlock<dim>& block, const double range = 0.05)
   {
     block.disturb();
-    for (auto& particle : block.particles.handler())
+    for (auto& particle : block.particles.edit())
     {
       dealii::Point<dim> x = particle.get_location();
       for (unsigned int d = 0; d < dim; ++d)
         x[d] += range * (test::noise(particle.get_id(), 50 + d) - 0.5);
       particle.set_location(x);
     }
-    block.particles.handler().sort_particles_into_subdomains_and_cells();
+    block.particles.edit().sort_particles_into_subdomains_and_cells();
   }
 
   double mass_of_layer(const unsigned int layer) const
@@ -111,7 +111,7 @@ TYPED_TEST(Merging, KeepsParticlesInTheirCells)
     ASSERT_LT(x.distance(particle.get_reference_location()), 1e-12);
   }
   const long long before = this->block.particles.n_global();
-  this->block.particles.handler().sort_particles_into_subdomains_and_cells();
+  this->block.particles.edit().sort_particles_into_subdomains_and_cells();
   EXPECT_EQ(this->block.particles.n_global(), before);
 }
 
@@ -204,13 +204,13 @@ TYPED_TEST(Merging, StartsWithTheSmallest)
   this->split();
   const auto right = [](const auto& x) { return x[0] > 0.5; };
   merge_particles<TypeParam::value>(this->block.particles, this->block.mesh, 2, right);
-  for (auto& particle : this->block.particles.handler())
+  for (auto& particle : this->block.particles.edit())
     if (dealii::Point<TypeParam::value> x = particle.get_location(); !right(x))
     {
       x[0] += 0.5;
       particle.set_location(x);
     }
-  this->block.particles.handler().sort_particles_into_subdomains_and_cells();
+  this->block.particles.edit().sort_particles_into_subdomains_and_cells();
   ASSERT_GT(this->block.particles.n_global(), before);
   this->merge(1.);
   EXPECT_EQ(this->block.particles.n_global(), before);
@@ -243,7 +243,7 @@ TYPED_TEST(Merging, LeavesNothingToSplit)
 TYPED_TEST(Merging, LeavesStressesAloneWhoseMeanWouldLoseEnergy)
 {
   this->split();
-  for (auto& particle : this->block.particles.handler())
+  for (auto& particle : this->block.particles.edit())
   {
     double* data = particle.get_properties().data();
     for (unsigned int i = 0; i < 6; ++i)

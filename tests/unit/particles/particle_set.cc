@@ -1,8 +1,6 @@
-#include "../mesh/refined_mesh.h"
-#include "../on_host.h"
+#include "../soil_fixture.h"
 #include <Eigen/Core>
 #include <gtest/gtest.h>
-#include <kedge/particles/generation.h>
 #include <set>
 
 using namespace kedge;
@@ -11,20 +9,21 @@ using test::on_host;
 namespace
 {
 /// Two layers in a block of 4 (by 3) by 2.75 m, cells of 0.5 m, the interface within a row.
-template <typename Dimension> class Particles : public testing::Test
+template <typename Dimension> class Particles : public testing::Test, public test::SoilFixture<Dimension::value>
 {
 public:
+  using test::SoilFixture<Dimension::value>::particles;
   static constexpr int dim = Dimension::value;
   static constexpr double interface = 2.15, top = 2.75, gravity = 10.;
 
-  Particles() : mesh(MPI_COMM_WORLD, layout()), particles(mesh)
+  Particles() : test::SoilFixture<dim>(layout(), two_layers(), gravity) {}
+
+  static MaterialPointParameters two_layers()
   {
-    parameters.layers = {layer(0.6, 1500., 2e6), layer(2.15, 2000., 1e7)};
+    MaterialPointParameters parameters =
+        test::layers_of({test::elastic_layer(0.6, 1500., 2e6), test::elastic_layer(2.15, 2000.)}, 0.4);
     parameters.layers[1].material.overburden = Overburden{1e4, 0.5};
-    parameters.K0 = 0.4;
-    generate_particles(particles, mesh, parameters, gravity);
-    particles.balance_load(mesh, 20.);
-    particles.load();
+    return parameters;
   }
 
   static GridLayout<dim> layout()
@@ -36,16 +35,6 @@ public:
     GridLayout<dim> grid = test::make_brick<dim>(cells, 0.5);
     grid.soil_extent[dim - 1] = top;
     return grid;
-  }
-
-  static Layer layer(const double thickness, const double density, const double young)
-  {
-    Layer layer;
-    layer.thickness = thickness;
-    layer.material.density = density;
-    layer.material.young = young;
-    layer.material.poisson = 0.25;
-    return layer;
   }
 
   double plan_area() const { return dim == 3 ? 4. * 3. : 4.; }
@@ -64,24 +53,11 @@ public:
                          : 1500. * gravity * (top - interface) + 2000. * gravity * (interface - z);
   }
 
-  /// A trial state for commit(): displacement and diagonal dF by particle number.
+  /// A trial state for commit().
   template <typename Displacement>
   ParticleIncrements increments(const Displacement& displacement, const double stretch = 1.) const
   {
-    ParticleIncrements result;
-    result.displacement = kedge::View<double* [3]>("displacement", particles.ids().size());
-    result.deformation_gradient = kedge::View<double* [9]>("dF", particles.ids().size());
-    const auto u = Kokkos::create_mirror_view(result.displacement);
-    const auto f = Kokkos::create_mirror_view(result.deformation_gradient);
-    for (std::size_t p = 0; p < particles.ids().size(); ++p)
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        u(p, d) = d < dim ? displacement(particles.ids()[p], d) : 0.;
-        f(p, 4 * d) = d == 0 ? stretch : 1.;
-      }
-    Kokkos::deep_copy(result.displacement, u);
-    Kokkos::deep_copy(result.deformation_gradient, f);
-    return result;
+    return test::increments_of(particles, displacement, stretch);
   }
 
   std::vector<long long> all_ids() const
@@ -90,10 +66,6 @@ public:
     std::sort(ids.begin(), ids.end());
     return ids;
   }
-
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
-  MaterialPointParameters parameters;
 };
 
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
@@ -198,7 +170,6 @@ TYPED_TEST(Particles, MoveByTheirDisplacementAcrossCellsAndRanks)
   ASSERT_GT(expected_to_leave, 0);
 
   this->particles.commit(this->increments(displacement), DomainUpdate::none);
-  this->particles.load();
   EXPECT_EQ(this->particles.n_lost(), expected_to_leave);
   EXPECT_EQ(this->particles.n_global(), before - expected_to_leave);
   const std::vector<long long> ids = this->all_ids();
@@ -237,8 +208,7 @@ TYPED_TEST(Particles, KeepTheirMassWhenTheyChangeRanks)
     this->particles.commit(this->increments([&](const long long id, const unsigned int d)
                                             { return d == 0 ? sign * 0.12 * test::noise(id, 0) : 0.; }),
                            DomainUpdate::none);
-    this->particles.balance_load(this->mesh, 50.);
-    this->particles.load();
+    this->particles.balance_load(50.);
   }
   EXPECT_NEAR(this->sum(this->particles.arrays().mass), mass, 1e-12 * mass);
   EXPECT_EQ(this->all_ids(), ids);
@@ -266,7 +236,6 @@ TYPED_TEST(Particles, KeepTheirDataWhenCellsAreRefinedAndCoarsened)
       else if (cell->is_locally_owned() && !refine && cell->level() > 0 && cell->center()[1] < 1.)
         cell->set_coarsen_flag();
     this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
-    this->particles.load();
     std::map<long long, std::vector<double>> after;
     collect(after);
     EXPECT_EQ(after, before); // no repartition: they stay on their ranks
@@ -288,7 +257,7 @@ TYPED_TEST(Particles, AreBalancedAfterRefinementInACorner)
     this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
   }
   const double before = this->particles.imbalance(cost);
-  this->particles.balance_load(this->mesh, cost);
+  this->particles.balance_load(cost);
   if (size_of(MPI_COMM_WORLD) == 1)
   {
     EXPECT_EQ(before, 1.);
@@ -324,7 +293,6 @@ TYPED_TEST(Particles, CommitTheTrialState)
   Kokkos::deep_copy(arrays.trial_plastic, 0.25);
   const auto none = [](long long, unsigned int) { return 0.; };
   this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
-  this->particles.load();
   const auto stress = on_host(this->particles.arrays().trial_stress);
   const auto b = on_host(this->particles.arrays().elastic_left_cauchy_green);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
@@ -366,7 +334,6 @@ TYPED_TEST(Particles, AreRemovedWhereAConditionHolds)
   const long long before = this->particles.n_global();
   const long long removed =
       this->particles.remove_if([](const auto& particle) { return particle.get_location()[0] < 1.; });
-  this->particles.load();
   EXPECT_EQ(removed, before / 4);
   EXPECT_EQ(this->particles.n_global(), before - removed);
   for (const auto& x : this->particles.positions())

@@ -1,10 +1,9 @@
 // A block of soil whose cells, particles and states the tests of splitting, merging and cleaning change.
 #pragma once
 
-#include "../mesh/refined_mesh.h"
+#include "../soil_fixture.h"
 #include <Eigen/LU>
 #include <algorithm>
-#include <kedge/particles/generation.h>
 #include <map>
 
 namespace kedge::test
@@ -28,26 +27,22 @@ template <int dim> struct ParticleRecord
 
 /// Two layers, 0.4 and 0.85 m thick, in 4 (by 4) by 4 cells of 0.5 m with 2 particles per axis; the interface cuts a
 /// row of particles. Stiffness grows with depth, Poisson's ratio is 1/4.
-template <int dim> struct SoilBlock
+template <int dim> struct SoilBlock : SoilFixture<dim>
 {
   using Record = ParticleRecord<dim>;
+  using SoilFixture<dim>::particles;
 
-  explicit SoilBlock(const MPI_Comm communicator_ = MPI_COMM_WORLD)
-      : communicator(communicator_), mesh(communicator_, layout()), particles(mesh)
+  explicit SoilBlock(const MPI_Comm communicator = MPI_COMM_WORLD)
+      : SoilFixture<dim>(layout(), two_layers(), 10., {}, communicator)
   {
-    MaterialPointParameters parameters;
-    Layer layer;
-    layer.thickness = 0.4;
-    layer.material.young = 1e7;
-    layer.material.poisson = 0.25;
-    layer.material.density = 1500.;
-    layer.material.overburden = Overburden{1e4, 0.5};
-    parameters.layers = {layer, layer};
-    parameters.layers[1].thickness = 0.85;
-    parameters.layers[1].material.density = 2000.;
-    parameters.K0 = 0.4;
-    generate_particles(particles, mesh, parameters, 10.);
-    particles.balance_load(mesh, 20.);
+  }
+
+  static MaterialPointParameters two_layers()
+  {
+    MaterialPointParameters parameters = layers_of({elastic_layer(0.4, 1500.), elastic_layer(0.85, 2000.)}, 0.4);
+    for (Layer& layer : parameters.layers)
+      layer.material.overburden = Overburden{1e4, 0.5};
+    return parameters;
   }
 
   static GridLayout<dim> layout()
@@ -59,23 +54,10 @@ template <int dim> struct SoilBlock
     return grid;
   }
 
-  /// Refines some of the cells, or all of them.
-  void refine(const bool all, const std::uint64_t salt = 0)
-  {
-    particles.handler().prepare_for_coarsening_and_refinement();
-    if (all)
-      mesh.triangulation().refine_global(1);
-    else
-      refine_some_cells(mesh, salt);
-    particles.handler().unpack_after_coarsening_and_refinement();
-    mesh.update();
-    particles.balance_load(mesh, 20.);
-  }
-
   /// Gives every particle a deformation, domain, stress and motion of its own, the same on any number of ranks.
   void disturb()
   {
-    for (auto& particle : particles.handler())
+    for (auto& particle : particles.edit())
     {
       double* data = particle.get_properties().data();
       const auto random = [&](const unsigned int salt) { return 2. * noise(particle.get_id(), salt) - 1.; };
@@ -116,7 +98,7 @@ template <int dim> struct SoilBlock
       std::copy_n(particle.get_properties().data(), field::count, record.data.begin());
       mine.push_back(record);
     }
-    std::vector<Record> all = gather_everywhere(mine, communicator);
+    std::vector<Record> all = gather_everywhere(mine, this->soil.communicator());
     std::sort(all.begin(), all.end(), [](const Record& a, const Record& b) { return a.id < b.id; });
     return all;
   }
@@ -153,10 +135,6 @@ template <int dim> struct SoilBlock
     }
     return sum.template cast<double>();
   }
-
-  MPI_Comm communicator;
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
 };
 
 /// The largest difference between sums, over each quantity's largest entry (mass, volumes, momentum, stress, moment).

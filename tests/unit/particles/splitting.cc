@@ -45,7 +45,7 @@ public:
           }
           return true;
         });
-    for (auto& particle : block.particles.handler())
+    for (auto& particle : block.particles.edit())
       for (unsigned int d = 0; d < dim; ++d)
         particle.get_properties()[field::half_width + d] = 0.5;
   }
@@ -60,7 +60,6 @@ TYPED_TEST_SUITE(Splitting, Dimensions, test::DimensionName);
 TYPED_TEST(Splitting, EndsWhenEveryParticleFitsItsCell)
 {
   ASSERT_GT(this->split().size(), 0u);
-  this->block.particles.load();
   const auto& particles = this->block.particles;
   for (std::size_t p = 0; p < particles.ids().size(); ++p)
   {
@@ -170,7 +169,7 @@ TYPED_TEST(Splitting, BringsChildrenToCellsBeyondTheNeighbours)
   EXPECT_GE(this->block.particles.n_global(), before * this->n_children * this->n_children * this->n_children);
   const Eigen::VectorXd after = this->block.totals();
   EXPECT_NEAR(after[0], totals[0], 1e-14 * totals[0]);
-  this->block.particles.handler().sort_particles_into_subdomains_and_cells();
+  this->block.particles.edit().sort_particles_into_subdomains_and_cells();
   EXPECT_NEAR(this->block.totals()[0], totals[0], 1e-14 * totals[0]);
 }
 

@@ -22,7 +22,6 @@ public:
     window.lower[0] = 1;
     window.upper[0] = 3;
     this->mesh.set_window(window);
-    this->particles.load();
   }
 
   static bool is_active(const Record& record) { return record.position[0] > lower && record.position[0] < upper; }
@@ -45,7 +44,6 @@ public:
     Kokkos::deep_copy(increments.displacement, u);
     Kokkos::deep_copy(increments.deformation_gradient, f);
     this->particles.commit(increments, DomainUpdate::stretch);
-    this->particles.load();
   }
 };
 
@@ -82,7 +80,6 @@ TYPED_TEST(WaitingParticles, GetTheirOwnDataBackWhenTheyWake)
 {
   constexpr int dim = TypeParam::value;
   this->mesh.set_window(Window<dim>{{}, this->mesh.layout().base_cells});
-  this->particles.load();
   const auto records = this->by_number();
   EXPECT_EQ(gather_everywhere(this->particles.ids(), MPI_COMM_WORLD).size(), records.size());
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
@@ -97,7 +94,6 @@ TYPED_TEST(WaitingParticles, AreNoWork)
   corner.upper.fill(2);
   this->mesh.set_window(corner);
   this->particles.balance_load(this->mesh, 1000.);
-  this->particles.load();
   const double mine = this->particles.ids().size(),
                mean = sum_over_ranks(mine, MPI_COMM_WORLD) / size_of(MPI_COMM_WORLD);
   EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD), 1.6 * mean); // on three ranks two cells of four are on one
@@ -119,7 +115,6 @@ TYPED_TEST(WaitingParticles, AreNoCompanyForAnActiveOne)
         const double x = particle.get_location()[0];
         return x > this->lower && x < this->upper && static_cast<long long>(particle.get_id()) != kept;
       });
-  this->particles.load();
   EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh).isolated, 1);
 }
 
@@ -133,6 +128,5 @@ TYPED_TEST(WaitingParticles, AreNotRemovedForBeingAlone)
   this->particles.remove_if(
       [&](const auto& particle)
       { return particle.get_location()[0] < 1. && static_cast<long long>(particle.get_id()) != kept; });
-  this->particles.load();
   EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh).isolated, 0);
 }

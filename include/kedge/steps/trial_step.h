@@ -4,26 +4,24 @@
 #include <kedge/assembly/internal_force.h>
 #include <kedge/base/report.h>
 #include <kedge/bodies/rigid_balance.h>
-#include <kedge/contact/contact.h>
-#include <kedge/particles/particle_set.h>
-#include <kedge/simulation/input.h>
-#include <kedge/simulation/prediction.h>
+#include <kedge/soil/soil.h>
 #include <kedge/solvers/newton.h>
+#include <kedge/solvers/parameters.h>
+#include <kedge/steps/stage.h>
 #include <kedge/time/newmark.h>
 
 namespace kedge
 {
 /// What a step works on. It reads the committed state and leaves its trial state in the particles' arrays and in the
 /// contact.
-template <int dim> struct StepScene
+template <int dim> struct StepContext
 {
-  const Input& input;
+  const std::array<double, 3>& gravity; ///< m/s2; in 2-D [x, z]
+  Basis basis;
+  const SolverParameters& solver;
   const Stage& stage;
-  const BackgroundMesh<dim>& mesh;
-  ParticleSet<dim>& particles;
-  const Materials& materials;
-  const RigidSystems& bodies;
-  Contact<dim>& contact;
+  Soil<dim>& soil;
+  const RigidSystems& bodies; ///< at the start of the step
   Timings& timings;
 };
 
@@ -45,12 +43,9 @@ public:
   virtual ~TrialStep() = default;
 
   /// Goes from the committed state to the end of the step. Collective.
-  virtual NewtonReport solve(const StepLoad& load, const Prediction& prediction) = 0;
-  /// The solution as a prediction for the next step; empty where none is asked for.
-  virtual Prediction predict_next() const = 0;
-
-  /// Of the solution: displacement and dF of every particle. Collective.
-  virtual ParticleIncrements particle_increments() const = 0;
+  virtual NewtonReport solve(const StepLoad& load) = 0;
+  /// Of the solution: what it does to the soil, for Soil::commit. Collective.
+  virtual SoilIncrements soil_increments() const = 0;
   /// Of the solution: what the conditions of all rigid points exert on them. Collective.
   virtual std::vector<Vector6> reactions() const = 0;
   /// Takes the points that the step started from to its end.

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <kedge/base/communication.h>
-#include <kedge/simulation/step_problem.h>
+#include <kedge/steps/implicit_step.h>
 
 namespace kedge
 {
@@ -30,16 +30,16 @@ double next_augmentation(const double factor, const double left)
 } // namespace
 
 template <int dim>
-StepProblem<dim>::StepProblem(const StepScene<dim>& scene_)
-    : scene(scene_),
-      basis(make_step_basis(scene, {scene.input.solver.ghost_factor, scene.input.solver.ghost_factor_mass})),
-      linear_solver(scene_.input.solver, dim)
+ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
+    : context(context_),
+      basis(make_step_basis(context, {context.solver.ghost_factor, context.solver.ghost_factor_mass})),
+      linear_solver(context_.solver, dim)
 {
-  if (scene.stage.rigid_bodies)
-    find_contact_pairs(scene, basis.nodes, rigid_step());
+  if (context.stage.rigid_bodies)
+    find_contact_pairs(context, basis.nodes, rigid_step());
 
-  const auto scope = scene.timings.measure("sparsity");
-  const std::vector<unsigned char> constrained = find_constrained_dofs(scene, basis.nodes);
+  const auto scope = context.timings.measure("sparsity");
+  const std::vector<unsigned char> constrained = find_constrained_dofs(context, basis.nodes);
   std::vector<NodeLists> couplings{basis.cells.empty()
                                        ? NodeLists{basis.stencils.pattern_node_begin, basis.stencils.pattern_nodes}
                                        : NodeLists{basis.cells.node_begin, basis.cells.nodes}};
@@ -51,23 +51,23 @@ StepProblem<dim>::StepProblem(const StepScene<dim>& scene_)
   linear_solver.set_structure(
       system->matrix(), make_rigid_body_modes(system->graph().row_map, dim, places.position, constrained), places);
 
-  rigid_unknowns = std::make_unique<RigidUnknowns>(scene.bodies, scene.stage.rigid_bodies, system->graph().row_map);
+  rigid_unknowns = std::make_unique<RigidUnknowns>(context.bodies, context.stage.rigid_bodies, system->graph().row_map);
   weigh_bodies();
   increment = Teuchos::rcp(new TpetraVector(rigid_unknowns->map()));
   full_weight = system->make_nodal_vector();
-  add_weight<dim>(scene.particles.arrays(), basis.stencils, scene.input.gravity, 1., full_weight);
+  add_weight<dim>(context.soil.particles().arrays(), basis.stencils, context.gravity, 1., full_weight);
   TpetraVector weight(system->graph().row_map);
   system->collect(full_weight, weight);
   weight_norm = weight.norm2();
 
-  if (scene.stage.stepping.type == StageType::dynamic)
-    motion = project_motion(scene.particles.arrays(), basis.stencils, basis.ghost_faces,
-                            scene.stage.stepping.lumped_mass, *system);
+  if (context.stage.stepping.type == StageType::dynamic)
+    motion = project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
+                            context.stage.stepping.lumped_mass, *system);
 }
 
-template <int dim> NodePlaces StepProblem<dim>::find_node_places() const
+template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
 {
-  const LeafTable<dim>& table = scene.mesh.leaves();
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
   std::vector<double> spacing(table.node_ids.size(), 0.);
   for (const auto& leaf : table.leaves)
     for (unsigned int i = leaf.node_begin; i < leaf.node_begin + leaf.n_nodes; ++i)
@@ -82,33 +82,34 @@ template <int dim> NodePlaces StepProblem<dim>::find_node_places() const
   return places;
 }
 
-template <int dim> void StepProblem<dim>::weigh_bodies()
+template <int dim> void ImplicitStep<dim>::weigh_bodies()
 {
-  const double g = Eigen::Map<const Eigen::Vector3d>(scene.input.gravity.data()).norm();
-  for (const RigidPoint& point : scene.bodies.points)
+  const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
+  for (const RigidPoint& point : context.bodies.points)
     body_weight += point.mass * g;
-  if (!scene.bodies.surfaces.empty())
-    body_lever = 0.5 * extent_of_surfaces(scene.bodies, dim);
+  if (!context.bodies.surfaces.empty())
+    body_lever = 0.5 * extent_of_surfaces(context.bodies, dim);
 }
 
-template <int dim> RigidStep StepProblem<dim>::rigid_step() const
+template <int dim> RigidStep ImplicitStep<dim>::rigid_step() const
 {
   RigidStep step;
-  step.gravity = load.gravity_factor * to_world_axes(scene.input.gravity, dim);
+  step.gravity = load.gravity_factor * to_world_axes(context.gravity, dim);
   step.fraction = load.step_fraction;
-  step.beta = load.begins_stage ? 0.5 : scene.stage.stepping.beta; // as RigidStep advises
-  step.gamma = load.begins_stage ? 1. : scene.stage.stepping.gamma;
-  if (scene.stage.stepping.type == StageType::dynamic)
-    step.dt = load.step_fraction * scene.stage.stepping.dt;
+  step.beta = load.begins_stage ? 0.5 : context.stage.stepping.beta; // as RigidStep advises
+  step.gamma = load.begins_stage ? 1. : context.stage.stepping.gamma;
+  if (context.stage.stepping.type == StageType::dynamic)
+    step.dt = load.step_fraction * context.stage.stepping.dt;
   return step;
 }
 
-template <int dim> std::vector<Vector6> StepProblem<dim>::reactions() const
+template <int dim> std::vector<Vector6> ImplicitStep<dim>::reactions() const
 {
-  return find_reactions(scene, rigid_step(), body_increments, scene.stage.rigid_bodies ? body_loads() : BodyLoads());
+  return find_reactions(context, rigid_step(), body_increments,
+                        context.stage.rigid_bodies ? body_loads() : BodyLoads());
 }
 
-template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, const Prediction& prediction)
+template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
 {
   load = load_;
   if (load.newmark.is_dynamic() && load.starts_at_rest)
@@ -117,10 +118,10 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, c
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
   { return solve_linearised(x, r, dx, how); };
-  scene.contact.reset_multipliers();
-  start_from(problem, prediction);
-  NewtonReport report = solve_newton(problem, *increment, scene.input.solver);
-  double factor = 1., excess = scene.contact.excess();
+  context.soil.contact().reset_multipliers();
+  choose_start(problem);
+  NewtonReport report = solve_newton(problem, *increment, context.solver);
+  double factor = 1., excess = context.soil.contact().excess();
   for (unsigned int round = 0; report.converged && excess > 1.; ++round)
   {
     if (round == max_augmentations)
@@ -129,17 +130,17 @@ template <int dim> NewtonReport StepProblem<dim>::solve(const StepLoad& load_, c
       report.failure = "contacts still penetrate after " + std::to_string(round) + " rounds of multipliers";
       break;
     }
-    scene.contact.augment(factor);
-    append(report, solve_newton(problem, *increment, scene.input.solver));
+    context.soil.contact().augment(factor);
+    append(report, solve_newton(problem, *increment, context.solver));
     const double before = excess;
-    excess = scene.contact.excess();
+    excess = context.soil.contact().excess();
     factor = next_augmentation(factor, excess / before);
   }
   return report;
 }
 
 /// From the forces that nothing balances as the stage begins: a block that is let go falls from its first step on.
-template <int dim> void StepProblem<dim>::find_first_acceleration()
+template <int dim> void ImplicitStep<dim>::find_first_acceleration()
 {
   const StepLoad first = load;
   load.newmark.dt = 0.;
@@ -154,10 +155,11 @@ template <int dim> void StepProblem<dim>::find_first_acceleration()
   load = first;
 }
 
-template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton, const Prediction& prediction)
+template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
 {
+  const Prediction& prediction = context.soil.prediction();
   increment->putScalar(0.);
-  rigid_unknowns->set_rigid(*increment, rigid_unknowns->pick(start_increments(scene.bodies, rigid_step())));
+  rigid_unknowns->set_rigid(*increment, rigid_unknowns->pick(start_increments(context.bodies, rigid_step())));
   if (prediction.empty())
     return;
   TpetraVector guess(increment->getMap()), r(increment->getMap());
@@ -168,39 +170,40 @@ template <int dim> void StepProblem<dim>::start_from(const NewtonProblem& newton
         view(dim * v + d, 0) = load.step_fraction * prediction[dim * basis.nodes.mesh_node[v] + d];
   }
   system->zero_constrained(*rigid_unknowns->nodal(guess));
-  rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(scene.bodies, rigid_step())));
+  rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(context.bodies, rigid_step())));
   const double at_rest = newton.residual(*increment, r);
   if (newton.residual(guess, r) < at_rest)
     Tpetra::deep_copy(*increment, guess);
 }
 
-template <int dim> Prediction StepProblem<dim>::predict_next() const
+/// The solution as a guess for the next step.
+template <int dim> Prediction ImplicitStep<dim>::predict_next() const
 {
   const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-  Prediction prediction(dim * scene.mesh.leaves().node_ids.size(), 0.);
+  Prediction prediction(dim * context.soil.mesh().leaves().node_ids.size(), 0.);
   for (unsigned int v = 0; v < basis.nodes.n_local(); ++v)
     for (unsigned int d = 0; d < dim; ++d)
       prediction[dim * basis.nodes.mesh_node[v] + d] = local(dim * v + d) / load.step_fraction;
   return prediction;
 }
 
-template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, TpetraVector& r)
+template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, TpetraVector& r)
 {
-  const auto scope = scene.timings.measure("residual");
+  const auto scope = context.timings.measure("residual");
   local_increment = system->spread(*rigid_unknowns->nodal(x));
   body_increments = rigid_unknowns->fill(load.body_increments, rigid_unknowns->rigid(x));
   const NodalVector force = system->make_nodal_vector();
-  const unsigned long inverted = update_stress_and_force<dim>(scene.particles.arrays(), basis.stencils, scene.materials,
-                                                              local_increment, force, basis.cells);
+  const unsigned long inverted = update_stress_and_force<dim>(
+      context.soil.particles().arrays(), basis.stencils, context.soil.materials(), local_increment, force, basis.cells);
   const double factor = load.gravity_factor;
   const NodalVector weight = full_weight;
   Kokkos::parallel_for(
       "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { force(i) -= factor * weight(i); });
-  if (scene.stage.rigid_bodies)
+  if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-    add_point_forces(dim, scene.contact.evaluate(scene.bodies, body_increments, host.data()), -1., force);
+    add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
   }
   add_ghost_force<dim>(basis.ghost_faces, basis.ghost_faces.stiffness, local_increment, force);
   if (load.newmark.is_dynamic())
@@ -213,37 +216,37 @@ template <int dim> double StepProblem<dim>::residual(const TpetraVector& x, Tpet
   const double soil = nodal_residual->norm2() / weight_norm;
   if (rigid_unknowns->empty())
     return soil;
-  balance = rigid_balance(scene.bodies, rigid_step(), body_increments, body_loads());
+  balance = rigid_balance(context.bodies, rigid_step(), body_increments, body_loads());
   rigid_unknowns->set_rigid(r, balance.residual);
   return std::max(soil, rigid_unknowns->measure(balance.residual, body_weight, body_lever));
 }
 
 template <int dim>
-LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
-                                                const NewtonSystem& how)
+LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
+                                                 const NewtonSystem& how)
 {
   // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
   {
-    const auto scope = scene.timings.measure("tangent");
+    const auto scope = context.timings.measure("tangent");
     system->clear_matrix();
-    add_tangent<dim>(scene.particles.arrays(), basis.stencils, scene.materials, local_increment, system->graph(),
-                     system->values(), basis.cells, how.damping);
-    if (scene.stage.rigid_bodies)
-      add_point_tangents(scene.contact.points_of_last_evaluation(), -1., system->graph(), system->values());
+    add_tangent<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(), local_increment,
+                     system->graph(), system->values(), basis.cells, how.damping);
+    if (context.stage.rigid_bodies)
+      add_point_tangents(context.soil.contact().points_of_last_evaluation(), -1., system->graph(), system->values());
     add_ghost_matrix<dim>(basis.ghost_faces, basis.ghost_faces.stiffness, system->graph(), system->values());
     if (load.newmark.is_dynamic())
       add_mass_matrix(system->graph(), motion.mass, load.newmark.stiffness_factor(), system->values());
     system->finish_matrix();
   }
-  const auto scope = scene.timings.measure("linear solver");
+  const auto scope = context.timings.measure("linear solver");
   Border border;
   if (!rigid_unknowns->empty())
   {
-    border = rigid_unknowns->border(balance, scene.contact.coupling(scene.bodies, body_increments),
-                                    scene.contact.points_of_last_evaluation(), body_increments, *system);
+    border = rigid_unknowns->border(balance, context.soil.contact().coupling(context.bodies, body_increments),
+                                    context.soil.contact().points_of_last_evaluation(), body_increments, *system);
     if (how.damping > 0. && !load.newmark.is_dynamic()) // a body that touches nothing yet sinks until the soil holds it
     {
-      const double particle = scene.mesh.layout().finest_size / scene.input.material_points.points_per_axis;
+      const double particle = context.soil.mesh().layout().finest_size / context.soil.parameters().points_per_axis;
       rigid_unknowns->hold(border, how.damping * holding_springs * body_weight / particle, body_lever);
     }
   }
@@ -254,20 +257,20 @@ LinearReport StepProblem<dim>::solve_linearised(const TpetraVector&, const Tpetr
   return report;
 }
 
-template <int dim> void StepProblem<dim>::move_bodies(RigidSystems& committed) const
+template <int dim> void ImplicitStep<dim>::move_bodies(RigidSystems& committed) const
 {
-  commit_increments(committed, scene.stage.rigid_bodies ? rigid_step() : RigidStep(), body_increments);
+  commit_increments(committed, context.stage.rigid_bodies ? rigid_step() : RigidStep(), body_increments);
 }
 
-template <int dim> ParticleIncrements StepProblem<dim>::particle_increments() const
+template <int dim> SoilIncrements ImplicitStep<dim>::soil_increments() const
 {
   ParticleIncrements increments =
-      interpolate_increments<dim>(scene.particles.arrays(), basis.stencils, local_increment, basis.cells);
+      interpolate_increments<dim>(context.soil.particles().arrays(), basis.stencils, local_increment, basis.cells);
   if (load.newmark.is_dynamic())
     increments.motion = particle_motion(basis.stencils, motion, load.newmark, local_increment);
-  return increments;
+  return {increments, predict_next()};
 }
 
-template class StepProblem<2>;
-template class StepProblem<3>;
+template class ImplicitStep<2>;
+template class ImplicitStep<3>;
 } // namespace kedge

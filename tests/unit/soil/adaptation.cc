@@ -1,9 +1,8 @@
 // The mesh follows the bodies: sizes, particles, ranks.
 #include "../bodies/shapes.h"
-#include "../mesh/refined_mesh.h"
+#include "../soil_fixture.h"
 #include <gtest/gtest.h>
-#include <kedge/particles/generation.h>
-#include <kedge/simulation/adaptation.h>
+#include <kedge/soil/adaptation.h>
 #include <set>
 
 using namespace kedge;
@@ -22,22 +21,15 @@ template <int dim> struct Cell
 
 /// Soil that fills the lower half of a grid of 4 base cells of 0.4 m per axis, cut by a turned slab and with a little
 /// ball inside one cell.
-template <int dim> struct SlabInSoil
+template <int dim> struct SlabInSoil : test::SoilFixture<dim>
 {
   static constexpr double base = 0.4, finest = 0.1;
+  using test::SoilFixture<dim>::mesh;
+  using test::SoilFixture<dim>::particles;
 
-  explicit SlabInSoil(const MPI_Comm communicator = MPI_COMM_WORLD) : mesh(communicator, layout()), particles(mesh)
+  explicit SlabInSoil(const MPI_Comm communicator = MPI_COMM_WORLD)
+      : test::SoilFixture<dim>(layout(), test::layers_of({test::elastic_layer(0.8)}), 10., {}, communicator)
   {
-    MaterialPointParameters soil;
-    Layer layer;
-    layer.thickness = 0.8;
-    layer.material.young = 1e7;
-    layer.material.density = 2000.;
-    soil.layers = {layer};
-    generate_particles(particles, mesh, soil, 10.);
-    particles.balance_load(mesh, particle_cost);
-    particles.load();
-
     adaptivity.type = AdaptivityType::rigid_body_surface;
     adaptivity.element_size = finest;
     bodies.points.resize(2);
@@ -67,11 +59,19 @@ template <int dim> struct SlabInSoil
     bodies.points[0].pose.position = {position[0], dim == 3 ? position[1] : 0., position[2]};
   }
 
+  /// Fits the cells, with the particles as they are; returns whether anything changed.
   bool adapt()
   {
+    using Pass = typename CellAdaptation<dim>::Pass;
+    CellAdaptation<dim> adaptation(mesh, particles, bodies, adaptivity, points_per_axis);
+    bool changed = false;
     passes = 0;
-    return adapt_mesh<dim>(mesh, particles, {bodies, adaptivity, points_per_axis, particle_cost},
-                           {[&] { ++passes; }, [] {}});
+    for (Pass pass = adaptation.next(); pass != Pass::none; pass = adaptation.next())
+    {
+      passes += pass == Pass::cells;
+      changed = true;
+    }
+    return changed;
   }
 
   std::vector<Cell<dim>> cells() const
@@ -85,10 +85,7 @@ template <int dim> struct SlabInSoil
     return cells;
   }
 
-  static constexpr double particle_cost = 20.;
   static constexpr unsigned int points_per_axis = 2;
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
   RigidSystems bodies;
   Adaptivity adaptivity;
   unsigned int passes = 0;
@@ -287,10 +284,9 @@ TYPED_TEST(Adaptation, KeepsTheCellsThatSmallParticlesNeed)
 {
   constexpr int dim = TypeParam::value;
   this->adapt();
-  for (auto& particle : this->particles.handler())
+  for (auto& particle : this->particles.edit())
     for (unsigned int d = 0; d < dim; ++d)
       particle.get_properties()[field::half_width + d] *= 0.5;
-  this->particles.load();
   std::vector<Cell<dim>> refined; // cells of half the base size that hold particles, or whose children do
   for (const unsigned int number : this->particles.leaves())
   {

@@ -1,48 +1,37 @@
 // An elastic block that nothing holds, for tests of dynamics.
 #pragma once
 
+#include "step_fixture.h"
 #include <Eigen/Geometry>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <kedge/base/communication.h>
-#include <kedge/particles/generation.h>
-#include <kedge/simulation/step_problem.h>
 
 namespace kedge::test
 {
 /// An elastic block of 4 x 4 x 2 cells with nothing that holds it and no face of the grid near.
-struct FreeBlock
+struct FreeBlock : StepFixture<3>
 {
-  FreeBlock(const double young, const double gravity, const Newmark& newmark, const bool lumped = false)
-      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact({}, MPI_COMM_WORLD)
+  FreeBlock(const double young, const double vertical_gravity, const Newmark& newmark, const bool lumped = false)
+      : StepFixture<3>(layout(), layers_of({elastic_layer(1., 2000., young, 0.3)}), std::abs(vertical_gravity))
   {
-    input.gravity = {{0., 0., gravity}};
-    input.solver.tolerance = 1e-11;
-    input.solver.ghost_factor = 0.1;
-    input.solver.ghost_factor_mass = 0.25;
-    input.solver.linear_solver = LinearSolverChoice::direct;
-    MaterialPointParameters& soil = input.material_points;
-    Layer layer;
-    layer.thickness = 1.;
-    layer.material.young = young;
-    layer.material.poisson = 0.3;
-    layer.material.density = 2000.;
-    soil.layers = {layer};
+    gravity = {{0., 0., vertical_gravity}};
+    solver.tolerance = 1e-11;
+    solver.ghost_factor = 0.1;
+    solver.ghost_factor_mass = 0.25;
+    solver.linear_solver = LinearSolverChoice::direct;
     stage.stepping.type = StageType::dynamic;
     stage.stepping.lumped_mass = lumped;
     const FaceCondition free = FaceCondition::free;
     stage.boundary_conditions.min = stage.boundary_conditions.max = {{free, free, free}};
     load.newmark = newmark;
 
-    generate_particles(particles, mesh, soil, std::abs(gravity));
     particles.remove_if(
         [](const auto& particle)
         {
           const auto& x = particle.get_location();
           return std::max(std::abs(x[0] - 1.), std::abs(x[1] - 1.)) > 0.5 || x[2] < 0.5;
         });
-    particles.load();
-    materials = upload_materials({layer.material});
   }
 
   static GridLayout<3> layout()
@@ -57,34 +46,27 @@ struct FreeBlock
   /// Velocity (m/s) of every particle from its position (m).
   template <typename Field> void set_velocities(const Field& field)
   {
-    for (auto& particle : particles.handler())
+    for (auto& particle : particles.edit())
     {
       const auto x = particle.get_location();
       const Eigen::Vector3d v = field(Eigen::Vector3d(x[0], x[1], x[2]));
       for (unsigned int d = 0; d < 3; ++d)
         particle.get_properties()[field::velocity + d] = v[d];
     }
-    particles.load();
   }
-
-  StepScene<3> scene() { return {input, stage, mesh, particles, materials, bodies, contact, timings}; }
 
   void step()
   {
-    StepProblem<3> problem(scene());
-    const NewtonReport newton = problem.solve(load, {});
+    ImplicitStep<3> step(context());
+    const NewtonReport newton = step.solve(load);
     ASSERT_TRUE(newton.converged) << newton.failure;
-    loads = problem.body_loads();
-    commit(problem);
+    loads = step.body_loads();
+    commit(step);
   }
 
-  /// Makes the solution of a step the state from which the next one starts.
-  void commit(const TrialStep<3>& problem)
+  void commit(const TrialStep<3>& step)
   {
-    particles.commit(problem.particle_increments(), DomainUpdate::none);
-    particles.load();
-    problem.move_bodies(bodies);
-    contact.commit();
+    StepFixture<3>::commit(step);
     load.starts_at_rest = load.begins_stage = false;
   }
 
@@ -122,14 +104,6 @@ struct FreeBlock
     return sum([](double m, const auto& x, const auto& v, const auto&) { return Eigen::Vector3d(m * x.cross(v)); });
   }
 
-  Input input;
-  Stage stage;
-  BackgroundMesh<3> mesh;
-  ParticleSet<3> particles;
-  Contact<3> contact;
-  Materials materials;
-  RigidSystems bodies;
-  Timings timings;
   StepLoad load;
   BodyLoads loads;
 };

@@ -1,5 +1,5 @@
 #include <cmath>
-#include <kedge/simulation/step_basis.h>
+#include <kedge/steps/step_basis.h>
 
 namespace kedge
 {
@@ -9,15 +9,15 @@ namespace
 constexpr double full_share = 0.9;
 
 /// What the leaves (owned and ghost) hold. Collective.
-template <int dim> std::vector<LeafContent> find_contents(const StepScene<dim>& scene)
+template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context)
 {
-  const ParticleSet<dim>& particles = scene.particles;
+  const ParticleSet<dim>& particles = context.soil.particles();
   const ParticleArrays& arrays = particles.arrays();
   const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
                             initial_volume = download(arrays.initial_volume);
-  return find_leaf_contents<dim>(scene.mesh.leaves(),
+  return find_leaf_contents<dim>(context.soil.mesh().leaves(),
                                  {particles.positions(), particles.half_widths(), young, mass, initial_volume},
-                                 scene.input.solver.poor_factor, scene.mesh.triangulation().get_communicator());
+                                 context.solver.poor_factor, context.soil.communicator());
 }
 
 /// Marks the leaves that are full. Where there is empty space the soil that faces it may expand, and must not lend its
@@ -40,20 +40,20 @@ double StepBasis::bytes() const
          stencils.n_particles * (sizeof(unsigned int) + sizeof(std::size_t));
 }
 
-template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const GhostFactors& ghost_factors)
+template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors)
 {
-  const auto scope = scene.timings.measure("basis");
-  const ParticleSet<dim>& particles = scene.particles;
-  const LeafTable<dim>& table = scene.mesh.leaves();
-  const MPI_Comm communicator = scene.mesh.triangulation().get_communicator();
+  const auto scope = context.timings.measure("basis");
+  const ParticleSet<dim>& particles = context.soil.particles();
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
+  const MPI_Comm communicator = context.soil.communicator();
   HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
-                                          scene.input.basis == Basis::mpm);
+                                          context.basis == Basis::mpm);
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
   const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.mass > 0.;
-  const bool f_bar = scene.input.material_points.f_bar;
-  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(scene) : std::vector<LeafContent>();
+  const bool f_bar = context.soil.parameters().f_bar;
+  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(context) : std::vector<LeafContent>();
   HostGhostFaces faces;
   if (has_ghosts)
   {
@@ -76,10 +76,10 @@ NodeNumbering numbering_of(const ActiveNodes& nodes)
 }
 
 template <int dim>
-std::vector<unsigned char> find_constrained_dofs(const StepScene<dim>& scene, const ActiveNodes& nodes)
+std::vector<unsigned char> find_constrained_dofs(const StepContext<dim>& context, const ActiveNodes& nodes)
 {
-  const LeafTable<dim>& table = scene.mesh.leaves();
-  const Stage& stage = scene.stage;
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
+  const Stage& stage = context.stage;
   std::vector<unsigned char> constrained(static_cast<std::size_t>(dim) * nodes.n_local(), 0);
   for (unsigned int v = 0; v < nodes.n_local(); ++v)
     for (unsigned int axis = 0; axis < dim; ++axis)
@@ -99,10 +99,10 @@ std::vector<unsigned char> find_constrained_dofs(const StepScene<dim>& scene, co
 }
 
 template <int dim>
-void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, const RigidStep& whole)
+void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& nodes, const RigidStep& whole)
 {
-  const auto scope = scene.timings.measure("contact search");
-  const RigidSystems& bodies = scene.bodies;
+  const auto scope = context.timings.measure("contact search");
+  const RigidSystems& bodies = context.bodies;
   double reach = 0.;
   const double lever = extent_of_surfaces(bodies, dim);
   for (const RigidPoint& point : bodies.points)
@@ -114,20 +114,20 @@ void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, c
       way = 2. * way + whole.gravity.norm() * whole.dt * whole.dt;
     reach = std::max(reach, way);
   }
-  const ParticleSet<dim>& particles = scene.particles;
+  const ParticleSet<dim>& particles = context.soil.particles();
   const std::vector<double> volume = download(particles.arrays().initial_volume);
   const std::vector<double> young = download(particles.arrays().young);
-  scene.contact.find_pairs(bodies, scene.mesh.leaves(),
-                           {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
-                           nodes.number, reach);
+  context.soil.contact().find_pairs(bodies, context.soil.mesh().leaves(),
+                                    {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
+                                    nodes.number, reach);
 }
 
 template <int dim>
-std::vector<Vector6> find_reactions(const StepScene<dim>& scene, const RigidStep& step,
+std::vector<Vector6> find_reactions(const StepContext<dim>& context, const RigidStep& step,
                                     const std::vector<Vector6>& increments, const BodyLoads& loads)
 {
-  const RigidSystems& bodies = scene.bodies;
-  if (scene.stage.rigid_bodies)
+  const RigidSystems& bodies = context.bodies;
+  if (context.stage.rigid_bodies)
     return rigid_reactions(bodies, rigid_balance(bodies, step, increments, loads), increments);
   std::vector<Vector6> result(bodies.points.size(), Vector6::Zero());
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -136,10 +136,10 @@ std::vector<Vector6> find_reactions(const StepScene<dim>& scene, const RigidStep
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
-  template StepBasis make_step_basis<dim>(const StepScene<dim>&, const GhostFactors&);                                 \
-  template std::vector<unsigned char> find_constrained_dofs<dim>(const StepScene<dim>&, const ActiveNodes&);           \
-  template void find_contact_pairs<dim>(const StepScene<dim>&, const ActiveNodes&, const RigidStep&);                  \
-  template std::vector<Vector6> find_reactions<dim>(const StepScene<dim>&, const RigidStep&,                           \
+  template StepBasis make_step_basis<dim>(const StepContext<dim>&, const GhostFactors&);                               \
+  template std::vector<unsigned char> find_constrained_dofs<dim>(const StepContext<dim>&, const ActiveNodes&);         \
+  template void find_contact_pairs<dim>(const StepContext<dim>&, const ActiveNodes&, const RigidStep&);                \
+  template std::vector<Vector6> find_reactions<dim>(const StepContext<dim>&, const RigidStep&,                         \
                                                     const std::vector<Vector6>&, const BodyLoads&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)

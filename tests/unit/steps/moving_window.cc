@@ -1,13 +1,7 @@
 // Soil wakes ahead of a dragged body, waits or vanishes behind it, and is held at the planes of the window.
 #include "../bodies/shapes.h"
-#include "../mesh/refined_mesh.h"
-#include "../on_host.h"
+#include "step_fixture.h"
 #include <gtest/gtest.h>
-#include <kedge/particles/generation.h>
-#include <kedge/particles/splitting.h>
-#include <kedge/simulation/adaptation.h>
-#include <kedge/simulation/moving_window.h>
-#include <kedge/simulation/step_problem.h>
 #include <set>
 
 using namespace kedge;
@@ -25,35 +19,26 @@ ContactParameters stiff_contact()
 
 /// Elastic soil of 12 (by 2) by 2 cells of 0.5 m under its initial stress, and a blade across it, almost down to
 /// mid-depth and clear of the soil below and behind, that is dragged along x.
-template <int dim> struct Drag
+template <int dim> struct Drag : test::StepFixture<dim>
 {
   static constexpr double cell = 0.5;
-  static constexpr unsigned int points_per_axis = 2;
   using Position = std::array<double, dim>;
+  using test::StepFixture<dim>::bodies;
+  using test::StepFixture<dim>::mesh;
+  using test::StepFixture<dim>::particles;
+  using test::StepFixture<dim>::soil;
+  using test::StepFixture<dim>::stage;
 
-  Drag() : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(stiff_contact(), MPI_COMM_WORLD)
+  Drag() : test::StepFixture<dim>(layout(), test::layers_of({test::elastic_layer(1.)}, 1. / 3.), 10., stiff_contact())
   {
     const FaceCondition free = FaceCondition::free, roller = FaceCondition::roller, fixed = FaceCondition::fixed;
-    input.gravity = {{0., dim == 3 ? 0. : -10., dim == 3 ? -10. : 0.}};
-    input.solver.ghost_factor = 0.;
-    MaterialPointParameters& soil = input.material_points;
-    soil.points_per_axis = points_per_axis;
-    Layer layer;
-    layer.thickness = 1.;
-    layer.material.young = 1e7;
-    layer.material.poisson = 0.25;
-    layer.material.density = 2000.;
-    soil.layers = {layer};
-    soil.K0 = 1. / 3.;
+    this->gravity = {{0., dim == 3 ? 0. : -10., dim == 3 ? -10. : 0.}};
+    this->solver.ghost_factor = 0.;
     stage.rigid_bodies = true;
     stage.boundary_conditions.min.fill(roller);
     stage.boundary_conditions.max.fill(roller);
     stage.boundary_conditions.min[dim - 1] = fixed;
     stage.boundary_conditions.max[dim - 1] = free;
-    generate_particles(particles, mesh, soil, 10.);
-    particles.balance_load(mesh, 20.);
-    particles.load();
-    materials = upload_materials({layer.material});
 
     bodies.points.emplace_back();
     bodies.surfaces.push_back(
@@ -67,7 +52,6 @@ template <int dim> struct Drag
           const dealii::Point<dim> x = particle.get_location();
           return x[0] > 1.5 && x[0] < 2.5 && x[dim - 1] > 0.5;
         });
-    particles.load();
   }
 
   static GridLayout<dim> layout()
@@ -88,42 +72,35 @@ template <int dim> struct Drag
     stage.track.max[0] = {FaceCondition::fixed, ahead, Advance::positive, false};
   }
 
+  /// Returns the number of particles deleted.
   long long place_planes()
   {
-    return move_window<dim>(mesh, particles, place_window<dim>(stage.track, extent_of<dim>(bodies), mesh.layout()),
-                            stage.track);
+    const long long before = soil.n_deleted();
+    soil.place_window(bodies, stage.track);
+    return soil.n_deleted() - before;
   }
 
   /// As before a step; returns the number of particles deleted.
   long long follow()
   {
-    const Window<dim> window =
-        advance_window<dim>(mesh.leaves().window, stage.track, extent_of<dim>(bodies), mesh.layout());
-    const long long deleted = move_window<dim>(mesh, particles, window, stage.track);
-    if (balance_where_it_pays(mesh, particles, 20.))
-      particles.load();
-    contact.follow_particles(particles.ids());
-    return deleted;
+    const long long before = soil.n_deleted();
+    soil.move_window(bodies, stage.track);
+    return soil.n_deleted() - before;
   }
 
   /// One step of the blade along x (m); returns the force on it (N).
   double drag(const double increment)
   {
     follow();
-    StepProblem<dim> problem({input, stage, mesh, particles, materials, bodies, contact, timings});
+    ImplicitStep<dim> step(this->context());
     StepLoad load;
     load.body_increments = {Vector6::Zero()};
     load.body_increments[0][0] = increment;
-    report = problem.solve(load, {});
-    n_dofs = problem.n_dofs();
-    const ParticleIncrements increments = problem.particle_increments();
-    largest_at_plane = largest_displacement_across(increments);
-    const double force = problem.body_loads()[0][0];
-    contact.commit();
-    bodies.points[0].pose = bodies.points[0].pose.moved(load.body_increments[0]);
-    particles.commit(increments, DomainUpdate::none);
-    particles.load();
-    contact.follow_particles(particles.ids());
+    report = step.solve(load);
+    n_dofs = step.n_dofs();
+    largest_at_plane = largest_displacement_across(step.soil_increments().particles);
+    const double force = step.body_loads()[0][0];
+    this->commit(step);
     return force;
   }
 
@@ -147,14 +124,6 @@ template <int dim> struct Drag
 
   std::vector<Position> active_positions() const { return gather_everywhere(particles.positions(), MPI_COMM_WORLD); }
 
-  Input input;
-  Stage stage;
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
-  Contact<dim> contact;
-  Materials materials;
-  RigidSystems bodies;
-  Timings timings;
   NewtonReport report;
   long long n_dofs = 0;
   double largest_at_plane = 0.;
@@ -277,8 +246,7 @@ TYPED_TEST(MovingWindow, RefinesNoWaitingSoil)
   adaptivity.type = AdaptivityType::rigid_body_surface;
   adaptivity.element_size = adaptivity.element_size_in_region = 0.25;
   adaptivity.region = 2.;
-  adapt_mesh<dim>(this->mesh, this->particles, {this->bodies, adaptivity, this->points_per_axis, 20.},
-                  {[&] { split_particles(this->particles, this->mesh, this->points_per_axis); }, [] {}});
+  this->soil.adapt(this->bodies, adaptivity);
   const auto& table = this->mesh.leaves();
   long long fine = 0;
   for (const auto& leaf : table.leaves)
@@ -296,10 +264,6 @@ TYPED_TEST(MovingWindow, KeepsTheCellsThatSmallWaitingParticlesNeed)
   Adaptivity adaptivity;
   adaptivity.type = AdaptivityType::rigid_body_surface;
   adaptivity.element_size = 0.25;
-  const AdaptationHooks hooks{[&] { split_particles(this->particles, this->mesh, this->points_per_axis); }, [] {}};
-  const auto adapt = [&] {
-    adapt_mesh<dim>(this->mesh, this->particles, {this->bodies, adaptivity, this->points_per_axis, 20.}, hooks);
-  };
   const auto count_fine = [&]
   {
     long long n = 0;
@@ -307,12 +271,12 @@ TYPED_TEST(MovingWindow, KeepsTheCellsThatSmallWaitingParticlesNeed)
       n += leaf.owned && leaf.size < 0.3 && leaf.lower[0] < 3.;
     return sum_over_ranks(n, MPI_COMM_WORLD);
   };
-  adapt();
+  this->soil.adapt(this->bodies, adaptivity);
   const long long before = count_fine();
   ASSERT_GT(before, 0);
   this->ask_for_planes(0., 0., false);
   this->place(5.);
   this->place_planes();
-  adapt();
+  this->soil.adapt(this->bodies, adaptivity);
   EXPECT_EQ(count_fine(), before);
 }

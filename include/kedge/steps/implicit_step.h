@@ -4,25 +4,24 @@
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/assembly/system.h>
-#include <kedge/simulation/rigid_unknowns.h>
-#include <kedge/simulation/step_basis.h>
+#include <kedge/steps/rigid_unknowns.h>
+#include <kedge/steps/step_basis.h>
 
 namespace kedge
 {
 /// An implicit step, static or dynamic. Fixed data: basis, numbering, sparsity, contact pairs.
-template <int dim> class StepProblem : public TrialStep<dim>
+template <int dim> class ImplicitStep : public TrialStep<dim>
 {
 public:
   /// Overlaps particles with cells, numbers the active nodes and sets up the sparsity. Collective.
-  explicit StepProblem(const StepScene<dim>& scene);
+  explicit ImplicitStep(const StepContext<dim>& context);
 
   /// Finds equilibrium, from the prediction where that is nearer to it than rest. Collective.
-  NewtonReport solve(const StepLoad& load, const Prediction& prediction) override;
-  Prediction predict_next() const override;
+  NewtonReport solve(const StepLoad& load) override;
 
-  ParticleIncrements particle_increments() const override;
+  SoilIncrements soil_increments() const override;
   /// Of the solution: the loads of the soil on the bodies. Collective.
-  BodyLoads body_loads() const { return scene.contact.loads(scene.bodies, body_increments); }
+  BodyLoads body_loads() const { return context.soil.contact().loads(context.bodies, body_increments); }
   const std::vector<Vector6>& rigid_increments() const { return body_increments; }
   std::vector<Vector6> reactions() const override;
   void move_bodies(RigidSystems& committed) const override;
@@ -35,12 +34,13 @@ private:
   NodePlaces find_node_places() const;
   void weigh_bodies();
   void find_first_acceleration();
-  void start_from(const NewtonProblem& newton, const Prediction& prediction);
+  void choose_start(const NewtonProblem& newton);
+  Prediction predict_next() const;
   double residual(const TpetraVector& x, TpetraVector& r);
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
 
-  StepScene<dim> scene;
+  StepContext<dim> context;
   StepBasis basis;
   NodalMotion motion; ///< at the start of the step; empty in static stages
   std::unique_ptr<System> system;

@@ -1,7 +1,7 @@
 // Explicit dynamics: momentum, energy, and where the time step becomes unstable.
 #include "../bodies/shapes.h"
 #include "free_block.h"
-#include <kedge/simulation/explicit_step.h>
+#include <kedge/steps/explicit_step.h>
 
 using namespace kedge;
 
@@ -19,8 +19,8 @@ struct Block : test::FreeBlock
 
   NewtonReport advance()
   {
-    ExplicitStep<3> problem(scene());
-    const NewtonReport report = problem.solve(load, {});
+    ExplicitStep<3> problem(context());
+    const NewtonReport report = problem.solve(load);
     reactions = problem.reactions();
     commit(problem);
     return report;
@@ -88,23 +88,22 @@ TEST(Explicit, MomentumIsTheImpulseOfContactAndWeight)
 TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
 {
   Block block(-9.81);
-  const double at_rest = ExplicitStep<3>(block.scene()).critical_time_step();
+  const double at_rest = ExplicitStep<3>(block.context()).critical_time_step();
   block.stage.stepping.mass_scaling = 2.;
-  EXPECT_NEAR(ExplicitStep<3>(block.scene()).critical_time_step(), std::sqrt(2.) * at_rest, 1e-12 * at_rest);
+  EXPECT_NEAR(ExplicitStep<3>(block.context()).critical_time_step(), std::sqrt(2.) * at_rest, 1e-12 * at_rest);
   block.stage.stepping.mass_scaling = 1.;
 
   double least = at_rest;
   for (unsigned int shift = 0; shift < 10; ++shift)
   {
-    for (auto& particle : block.particles.handler())
+    for (auto& particle : block.particles.edit())
     {
       auto x = particle.get_location();
       x[0] += 0.0113;
       particle.set_location(x);
     }
-    block.particles.handler().sort_particles_into_subdomains_and_cells();
-    block.particles.load();
-    least = std::min(least, ExplicitStep<3>(block.scene()).critical_time_step());
+    block.particles.edit().sort_particles_into_subdomains_and_cells();
+    least = std::min(least, ExplicitStep<3>(block.context()).critical_time_step());
   }
   EXPECT_GT(least, 0.7 * at_rest);
 }
@@ -117,11 +116,11 @@ TEST(Explicit, StableStepIsWhereTheoryPutsIt)
     Block block(-9.81);
     block.load.gravity_factor = 0.;
     block.set_velocities([](const Eigen::Vector3d& x) { return Eigen::Vector3d(1e-6 * lively(50. * x)); });
-    ExplicitStep<3> step(block.scene());
+    ExplicitStep<3> step(block.context());
     block.stage.stepping.dt = share * step.critical_time_step();
     block.stage.stepping.basis_step = 600. * block.stage.stepping.dt;
     const double energy = block.kinetic_energy();
-    const NewtonReport report = step.solve(block.load, {});
+    const NewtonReport report = step.solve(block.load);
     if (!report.converged)
       return true;
     block.commit(step);
@@ -135,7 +134,7 @@ TEST(Explicit, AStepThatGoesTooFarFails)
 {
   Block block(-9.81);
   block.set_velocities([](const Eigen::Vector3d&) { return Eigen::Vector3d(120., 0., 0.); });
-  const NewtonReport report = ExplicitStep<3>(block.scene()).solve(block.load, {});
+  const NewtonReport report = ExplicitStep<3>(block.context()).solve(block.load);
   EXPECT_FALSE(report.converged);
   EXPECT_NE(report.failure.find("of a cell"), std::string::npos) << report.failure;
 }

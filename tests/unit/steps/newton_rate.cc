@@ -1,52 +1,44 @@
 // Newton's method keeps its rate through plasticity and frictional contact: every tangent is the exact one.
 #include "../bodies/shapes.h"
+#include "step_fixture.h"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <kedge/particles/generation.h>
-#include <kedge/simulation/step_problem.h>
 
 using namespace kedge;
 
 namespace
 {
 /// Soil of 4 x 4 x 4 cells under its initial stress, and a box that is pushed into its surface in one step.
-struct Footing
+struct Footing : test::StepFixture<3>
 {
-  explicit Footing(const double friction)
-      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(contact_parameters(friction), MPI_COMM_WORLD)
+  explicit Footing(const double friction, const MaterialParameters& material = sand())
+      : test::StepFixture<3>(layout(), test::layers_of({{1., material}}, 0.5), 9.81, contact_parameters(friction))
   {
-    input.gravity = {{0., 0., -9.81}};
-    input.contact = contact_parameters(friction);
-    input.solver.tolerance = 1e-11; // of the weight; round-off is near 1e-12
-    input.solver.ghost_factor = 0.;
-    input.solver.linear_solver = LinearSolverChoice::direct;
-    MaterialPointParameters& soil = input.material_points;
-    Layer layer;
-    layer.thickness = 1.;
-    layer.material.type = MaterialType::mohr_coulomb;
-    layer.material.young = 1e7;
-    layer.material.poisson = 0.3;
-    layer.material.density = 2000.;
-    layer.material.friction_angle = 30.;
-    layer.material.dilation_angle = 10.;
-    layer.material.cohesion = 1e4; // enough to keep away from the apex, whose tangent is stiffer than the exact one
-    soil.layers = {layer};
-    soil.K0 = 0.5;
+    gravity = {{0., 0., -9.81}};
+    solver.tolerance = 1e-11; // of the weight; round-off is near 1e-12
+    solver.ghost_factor = 0.;
+    solver.linear_solver = LinearSolverChoice::direct;
     stage.rigid_bodies = true;
     const FaceCondition free = FaceCondition::free, roller = FaceCondition::roller, fixed = FaceCondition::fixed;
     stage.boundary_conditions.min = {{roller, roller, fixed}};
     stage.boundary_conditions.max = {{roller, roller, free}};
 
-    generate_particles(particles, mesh, soil, 9.81);
-    particles.load();
-    materials = Materials("materials", 1);
-    const auto host = Kokkos::create_mirror_view(materials);
-    host(0) = make_material(layer.material);
-    Kokkos::deep_copy(materials, host);
-
     bodies.points.emplace_back();
     bodies.points[0].pose.position = {0.5, 0.5, 1.};
     bodies.surfaces.push_back({Surface(test::box({-0.2, -0.2, 0.}, {0.2, 0.2, 1.})), 0});
+  }
+
+  static MaterialParameters sand()
+  {
+    MaterialParameters material;
+    material.type = MaterialType::mohr_coulomb;
+    material.young = 1e7;
+    material.poisson = 0.3;
+    material.density = 2000.;
+    material.friction_angle = 30.;
+    material.dilation_angle = 10.;
+    material.cohesion = 1e4; // enough to keep away from the apex, whose tangent is stiffer than the exact one
+    return material;
   }
 
   static GridLayout<3> layout()
@@ -69,10 +61,9 @@ struct Footing
 
   NewtonReport push(const Vector6& increment)
   {
-    StepProblem<3> problem({input, stage, mesh, particles, materials, bodies, contact, timings});
     StepLoad load;
     load.body_increments = {increment};
-    return problem.solve(load, {});
+    return ImplicitStep<3>(context()).solve(load);
   }
 
   long long count_yielding() const
@@ -83,15 +74,6 @@ struct Footing
       n += plastic(p) > 1e-8;
     return n;
   }
-
-  Input input;
-  Stage stage;
-  BackgroundMesh<3> mesh;
-  ParticleSet<3> particles;
-  Contact<3> contact;
-  Materials materials;
-  RigidSystems bodies;
-  Timings timings;
 };
 
 Vector6 translation(const double x, const double y, const double z)
@@ -149,12 +131,10 @@ TEST(NewtonRate, IsQuadraticUnderAFootingThatSlides)
 
 TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
 {
-  Footing footing(0.3);
-  MaterialParameters clay =
-      footing.input.material_points.layers[0].material; // has no apex, which the impact would reach
-  clay.type = MaterialType::von_mises;
+  MaterialParameters clay = Footing::sand();
+  clay.type = MaterialType::von_mises; // has no apex, which the impact would reach
   clay.yield_stress = 3e4;
-  footing.materials = upload_materials({clay});
+  Footing footing(0.3, clay);
   RigidPoint& point = footing.bodies.points[0];
   point.mass = 2000.;
   point.inertia = {200., 300., 400.};
@@ -165,10 +145,9 @@ TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
   StepLoad load;
   load.newmark = {footing.stage.stepping.beta, footing.stage.stepping.gamma, footing.stage.stepping.dt};
   load.body_increments = {Vector6::Zero()};
-  StepProblem<3> problem({footing.input, footing.stage, footing.mesh, footing.particles, footing.materials,
-                          footing.bodies, footing.contact, footing.timings});
-  const NewtonReport report = problem.solve(load, {});
+  ImplicitStep<3> step(footing.context());
+  const NewtonReport report = step.solve(load);
   expect_quadratic(report);
-  EXPECT_LT(problem.rigid_increments()[0][2], -5e-3);
+  EXPECT_LT(step.rigid_increments()[0][2], -5e-3);
   EXPECT_GT(footing.count_yielding(), 20);
 }

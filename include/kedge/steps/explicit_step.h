@@ -3,7 +3,7 @@
 
 #include <kedge/assembly/explicit_force.h>
 #include <kedge/bodies/explicit_motion.h>
-#include <kedge/simulation/step_basis.h>
+#include <kedge/steps/step_basis.h>
 #include <optional>
 
 namespace kedge
@@ -19,13 +19,12 @@ template <int dim> class ExplicitStep : public TrialStep<dim>
 {
 public:
   /// Overlaps particles with cells, numbers the active nodes and finds the stable time step. Collective.
-  explicit ExplicitStep(const StepScene<dim>& scene);
+  explicit ExplicitStep(const StepContext<dim>& context);
 
   /// Fails where a material point turns inside out or moves by more than three quarters of its cell. Collective.
-  NewtonReport solve(const StepLoad& load, const Prediction& prediction) override;
-  Prediction predict_next() const override { return {}; }
+  NewtonReport solve(const StepLoad& load) override;
 
-  ParticleIncrements particle_increments() const override;
+  SoilIncrements soil_increments() const override;
   /// Means over the step: their impulse over its duration.
   std::vector<Vector6> reactions() const override;
   void move_bodies(RigidSystems& committed) const override;
@@ -46,7 +45,7 @@ private:
   void drift(double time);
   double largest_way_in_cells() const;
 
-  StepScene<dim> scene;
+  StepContext<dim> context;
   StepBasis basis;
   NodalExchange exchange, node_exchange; ///< of dofs, and of one number per node
   View<double*> mass;                    ///< per local node, scaled, kg

@@ -1,5 +1,5 @@
 #include <kedge/basis/gimp.h>
-#include <kedge/simulation/prediction.h>
+#include <kedge/soil/prediction.h>
 
 namespace kedge
 {

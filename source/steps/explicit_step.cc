@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/base/communication.h>
-#include <kedge/simulation/explicit_step.h>
+#include <kedge/steps/explicit_step.h>
 #include <limits>
 
 namespace kedge
@@ -18,24 +18,24 @@ double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; 
 } // namespace
 
 template <int dim>
-ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
-    : scene(scene_),
-      basis(make_step_basis(scene, {})),
+ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
+    : context(context_),
+      basis(make_step_basis(context, {})),
       exchange(dim, numbering_of(basis.nodes)),
       node_exchange(1, numbering_of(basis.nodes))
 {
-  if (scene.stage.rigid_bodies)
+  if (context.stage.rigid_bodies)
   {
     RigidStep whole = rigid_step();
-    whole.dt = step_length(scene.stage.stepping);
-    find_contact_pairs(scene, basis.nodes, whole);
+    whole.dt = step_length(context.stage.stepping);
+    find_contact_pairs(context, basis.nodes, whole);
   }
 
-  const auto scope = scene.timings.measure("lumped mass");
-  const ParticleArrays& particles = scene.particles.arrays();
-  const double share = least_share(scene.input.basis), scaling = scene.stage.stepping.mass_scaling;
+  const auto scope = context.timings.measure("lumped mass");
+  const ParticleArrays& particles = context.soil.particles().arrays();
+  const double share = least_share(context.basis), scaling = context.stage.stepping.mass_scaling;
   weight = exchange.make_nodal_vector();
-  add_weight<dim>(particles, basis.stencils, scene.input.gravity, 1., weight);
+  add_weight<dim>(particles, basis.stencils, context.gravity, 1., weight);
   exchange.sum_over_ranks(weight);
 
   mass = View<double*>("lumped mass", basis.nodes.n_local());
@@ -44,7 +44,7 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
   const auto host_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
   inertia = exchange.make_nodal_vector();
   const auto host_inertia = Kokkos::create_mirror_view(inertia);
-  const std::vector<unsigned char> held = find_constrained_dofs(scene, basis.nodes);
+  const std::vector<unsigned char> held = find_constrained_dofs(context, basis.nodes);
   for (std::size_t v = 0; v < host_mass.extent(0); ++v)
   {
     host_mass(v) *= scaling;
@@ -54,9 +54,10 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
   Kokkos::deep_copy(mass, host_mass);
   Kokkos::deep_copy(inertia, host_inertia);
 
-  const double soil = max_over_ranks(largest_squared_frequency(particles, basis.stencils, scene.materials, share),
-                                     basis.nodes.communicator) /
-                      scaling;
+  const double soil =
+      max_over_ranks(largest_squared_frequency(particles, basis.stencils, context.soil.materials(), share),
+                     basis.nodes.communicator) /
+      scaling;
   critical_dt = 2. / std::sqrt(soil + contact_squared_frequency());
 }
 
@@ -65,10 +66,10 @@ ExplicitStep<dim>::ExplicitStep(const StepScene<dim>& scene_)
 /// springs of k w_v / m_v. A body that is free adds no more than the sum of its springs' stiffness over its inertia.
 template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
 {
-  if (!scene.stage.rigid_bodies)
+  if (!context.stage.rigid_bodies)
     return 0.;
-  const PointForces& points = scene.contact.points_of_last_evaluation();
-  const std::vector<double> stiffness = scene.contact.point_stiffness();
+  const PointForces& points = context.soil.contact().points_of_last_evaluation();
+  const std::vector<double> stiffness = context.soil.contact().point_stiffness();
   const View<double*> rate("contact stiffness", basis.nodes.n_local());
   const auto host = Kokkos::create_mirror_view(rate);
   for (std::size_t i = 0; i < points.n_points(); ++i)
@@ -87,12 +88,13 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
         sum += points.weights[v] * host(points.nodes[v]) / node_mass(points.nodes[v]);
     largest = std::max(largest, sum);
   }
-  return max_over_ranks(largest, basis.nodes.communicator) + scene.contact.largest_body_frequency(scene.bodies);
+  return max_over_ranks(largest, basis.nodes.communicator) +
+         context.soil.contact().largest_body_frequency(context.bodies);
 }
 
 template <int dim> Eigen::Vector3d ExplicitStep<dim>::gravity() const
 {
-  return load.gravity_factor * to_world_axes(scene.input.gravity, dim);
+  return load.gravity_factor * to_world_axes(context.gravity, dim);
 }
 
 /// Without a dt: reactions are those of dofs that need no inertia.
@@ -104,11 +106,11 @@ template <int dim> RigidStep ExplicitStep<dim>::rigid_step() const
   return step;
 }
 
-template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, const Prediction&)
+template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
 {
-  const auto scope = scene.timings.measure("time steps");
+  const auto scope = context.timings.measure("time steps");
   load = load_;
-  const SteppingParameters& stepping = scene.stage.stepping;
+  const SteppingParameters& stepping = context.stage.stepping;
   const double duration = load.step_fraction * step_length(stepping);
   const double longest = stepping.dt > 0. ? stepping.dt : stepping.cfl * critical_dt;
   const unsigned int n_time_steps = std::max(1., std::ceil(duration / longest * (1. - 1e-9)));
@@ -116,7 +118,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, 
 
   NewtonReport report;
   const double dt = duration / n_time_steps;
-  impulse.assign(scene.bodies.points.size(), Vector6::Zero());
+  impulse.assign(context.bodies.points.size(), Vector6::Zero());
   bool admissible = follow_forces();
   kick(0.5 * dt);
   for (unsigned int k = 1; k <= n_time_steps && admissible && report.failure.empty(); ++k)
@@ -141,7 +143,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_, 
 /// Velocities of the nodes: their momentum over their mass.
 template <int dim> void ExplicitStep<dim>::begin()
 {
-  const ParticleArrays& particles = scene.particles.arrays();
+  const ParticleArrays& particles = context.soil.particles().arrays();
   start_velocity = exchange.make_nodal_vector();
   velocity = exchange.make_nodal_vector();
   increment = exchange.make_nodal_vector();
@@ -149,15 +151,15 @@ template <int dim> void ExplicitStep<dim>::begin()
   add_particle_momentum(particles, basis.stencils, particles.velocity, start_velocity);
   exchange.sum_over_ranks(start_velocity);
   const NodalVector start = start_velocity, m = inertia;
-  const double scaling = scene.stage.stepping.mass_scaling;
+  const double scaling = context.stage.stepping.mass_scaling;
   Kokkos::parallel_for(
       "start velocity", Kokkos::RangePolicy<ExecutionSpace>(0, start.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { start(i) = scaling * start(i) / m(i); });
   Kokkos::deep_copy(velocity, start_velocity);
   path = begin_path(particles);
   motion.reset();
-  if (scene.stage.rigid_bodies)
-    motion.emplace(scene.bodies, load.begins_stage);
+  if (context.stage.rigid_bodies)
+    motion.emplace(context.bodies, load.begins_stage);
 }
 
 /// Unbalanced forces and trial state at the present increment; false where that is not admissible.
@@ -165,16 +167,16 @@ template <int dim> bool ExplicitStep<dim>::follow_forces()
 {
   const NodalVector internal = force, full_weight = weight;
   Kokkos::deep_copy(force, 0.);
-  const unsigned long inverted = advance_stress_and_force<dim>(scene.particles.arrays(), basis.stencils,
-                                                               scene.materials, increment, path, force, basis.cells);
+  const unsigned long inverted = advance_stress_and_force<dim>(
+      context.soil.particles().arrays(), basis.stencils, context.soil.materials(), increment, path, force, basis.cells);
   if (motion)
   {
     body_increments = motion->increments();
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
-    add_point_forces(dim, scene.contact.evaluate(scene.bodies, body_increments, host.data()), -1., force);
+    add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
   }
   else
-    body_increments.assign(scene.bodies.points.size(), Vector6::Zero());
+    body_increments.assign(context.bodies.points.size(), Vector6::Zero());
   exchange.sum_over_ranks(force);
   const double factor = load.gravity_factor;
   Kokkos::parallel_for(
@@ -187,7 +189,7 @@ template <int dim> bool ExplicitStep<dim>::follow_forces()
 template <int dim> void ExplicitStep<dim>::kick(const double time)
 {
   const NodalVector f = force, v = velocity, m = inertia;
-  const double damping = scene.stage.stepping.damping;
+  const double damping = context.stage.stepping.damping;
   Kokkos::parallel_for(
       "kick", Kokkos::RangePolicy<ExecutionSpace>(0, f.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
         const double opposed = v(i) == 0. ? 0. : std::copysign(damping * std::fabs(f(i)), v(i));
@@ -195,7 +197,7 @@ template <int dim> void ExplicitStep<dim>::kick(const double time)
       });
   if (!motion)
     return;
-  const BodyLoads now = scene.contact.loads(scene.bodies, body_increments);
+  const BodyLoads now = context.soil.contact().loads(context.bodies, body_increments);
   for (std::size_t i = 0; i < now.size(); ++i)
     impulse[i] += time * now[i];
   motion->kick(now, gravity(), time);
@@ -213,18 +215,18 @@ template <int dim> double ExplicitStep<dim>::largest_way_in_cells() const
 {
   const View<double* [3]> way = interpolate_to_particles(basis.stencils, increment);
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), way);
-  const LeafTable<dim>& table = scene.mesh.leaves();
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
   double largest = 0.;
   for (std::size_t p = 0; p < host.extent(0); ++p)
     for (unsigned int d = 0; d < dim; ++d)
-      largest = std::max(largest, std::abs(host(p, d)) / table.leaves[scene.particles.leaves()[p]].size);
+      largest = std::max(largest, std::abs(host(p, d)) / table.leaves[context.soil.particles().leaves()[p]].size);
   return max_over_ranks(largest, basis.nodes.communicator);
 }
 
-template <int dim> ParticleIncrements ExplicitStep<dim>::particle_increments() const
+template <int dim> SoilIncrements ExplicitStep<dim>::soil_increments() const
 {
   ParticleIncrements increments =
-      interpolate_increments<dim>(scene.particles.arrays(), basis.stencils, increment, basis.cells);
+      interpolate_increments<dim>(context.soil.particles().arrays(), basis.stencils, increment, basis.cells);
   const NodalVector change = exchange.make_nodal_vector();
   const NodalVector start = start_velocity, end = velocity;
   Kokkos::parallel_for(
@@ -232,15 +234,15 @@ template <int dim> ParticleIncrements ExplicitStep<dim>::particle_increments() c
       KOKKOS_LAMBDA(const std::size_t i) { change(i) = end(i) - start(i); });
   increments.motion = {interpolate_to_particles(basis.stencils, change),
                        View<double* [3]>("acceleration", basis.stencils.n_particles)};
-  return increments;
+  return {increments, {}};
 }
 
 template <int dim> std::vector<Vector6> ExplicitStep<dim>::reactions() const
 {
   BodyLoads mean = impulse;
   for (Vector6& body_load : mean)
-    body_load /= load.step_fraction * step_length(scene.stage.stepping);
-  return find_reactions(scene, rigid_step(), body_increments, mean);
+    body_load /= load.step_fraction * step_length(context.stage.stepping);
+  return find_reactions(context, rigid_step(), body_increments, mean);
 }
 
 template <int dim> void ExplicitStep<dim>::move_bodies(RigidSystems& committed) const

@@ -1,6 +1,6 @@
 #include <Teuchos_CommHelpers.hpp>
-#include <kedge/bodies/world_axes.h>
-#include <kedge/simulation/rigid_unknowns.h>
+#include <kedge/base/world_axes.h>
+#include <kedge/steps/rigid_unknowns.h>
 
 namespace kedge
 {

@@ -5,7 +5,7 @@
 #include <kedge/basis/active_nodes.h>
 #include <kedge/basis/cell_groups.h>
 #include <kedge/basis/ghost_faces.h>
-#include <kedge/simulation/trial_step.h>
+#include <kedge/steps/trial_step.h>
 
 namespace kedge
 {
@@ -22,21 +22,21 @@ struct StepBasis
 };
 
 /// Collective.
-template <int dim> StepBasis make_step_basis(const StepScene<dim>& scene, const GhostFactors& ghost_factors);
+template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors);
 
 /// As the assembly knows the nodes.
 NodeNumbering numbering_of(const ActiveNodes& nodes);
 
 /// Marks the dofs (dim per local node) that the conditions on the faces of the grid or of the window hold.
 template <int dim>
-std::vector<unsigned char> find_constrained_dofs(const StepScene<dim>& scene, const ActiveNodes& nodes);
+std::vector<unsigned char> find_constrained_dofs(const StepContext<dim>& context, const ActiveNodes& nodes);
 
 /// Finds the corners that could touch a body during a whole step. Collective.
 template <int dim>
-void find_contact_pairs(const StepScene<dim>& scene, const ActiveNodes& nodes, const RigidStep& whole);
+void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& nodes, const RigidStep& whole);
 
 /// What holds the rigid points: without contact, where the stage has no bodies in it, against their weight alone.
 template <int dim>
-std::vector<Vector6> find_reactions(const StepScene<dim>& scene, const RigidStep& step,
+std::vector<Vector6> find_reactions(const StepContext<dim>& context, const RigidStep& step,
                                     const std::vector<Vector6>& increments, const BodyLoads& loads);
 } // namespace kedge

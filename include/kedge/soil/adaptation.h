@@ -1,0 +1,43 @@
+// The cells follow the bodies: one pass of refinement or coarsening after the other.
+#pragma once
+
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/particles/particle_set.h>
+
+namespace kedge
+{
+/// Changes the mesh until its cells have the sizes that the stage asks for at the bodies' surfaces and in the region
+/// around them: first level by level finer, then coarser. Cells without active soil are refined only where 2:1 asks for
+/// it; no cell coarsens while a particle in it needs it or while the surfaces ask its parent to be finer.
+template <int dim> class CellAdaptation
+{
+public:
+  enum class Pass
+  {
+    none,     ///< the mesh is as it should be
+    cells,    ///< cells changed: particles may be too wide for theirs
+    partition ///< families of cells came together on one rank
+  };
+
+  /// `points_per_axis` of a base cell: a particle needs cells no larger than this many times its width.
+  CellAdaptation(BackgroundMesh<dim>& mesh, ParticleSet<dim>& particles, const RigidSystems& bodies,
+                 const Adaptivity& adaptivity, unsigned int points_per_axis);
+
+  /// Does one pass, if one is needed. Between two passes particles may be split or sent to other ranks. Collective.
+  Pass next();
+
+private:
+  double wanted_size(const std::array<double, dim>& corner, double size) const;
+  std::vector<unsigned char> find_soil() const;
+  std::vector<double> find_largest_sizes() const;
+  void change_cells();
+
+  BackgroundMesh<dim>& mesh;
+  ParticleSet<dim>& particles;
+  const RigidSystems& bodies;
+  const Adaptivity& adaptivity;
+  unsigned int points_per_axis;
+  bool refines;          ///< still
+  bool gathered = false; ///< no cell changed since the last repartition
+};
+} // namespace kedge

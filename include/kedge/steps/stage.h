@@ -1,0 +1,28 @@
+// What the input says of one stage of the analysis.
+#pragma once
+
+#include <kedge/bodies/parameters.h>
+#include <kedge/mesh/parameters.h>
+#include <kedge/time/parameters.h>
+#include <vector>
+
+namespace kedge
+{
+enum class Basis
+{
+  gimp,
+  mpm
+};
+
+struct Stage
+{
+  SteppingParameters stepping;
+  bool rigid_bodies = false;
+  BoundaryConditions boundary_conditions;
+  Adaptivity adaptivity;
+  bool surface_placement = false;
+  bool wished_in_place = false;
+  std::vector<PointConditionsOverride> point_conditions;
+  BoundaryTrack track;
+};
+} // namespace kedge

@@ -1,0 +1,129 @@
+#include <cmath>
+#include <kedge/base/world_axes.h>
+#include <kedge/basis/ghost_faces.h>
+#include <kedge/mesh/adaptation.h>
+#include <kedge/soil/adaptation.h>
+#include <kedge/soil/soil.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+/// A surface in a cell's face counts as crossing the cells on both sides: a body that rests on the soil is such a one,
+/// and an STL file places it in single precision.
+constexpr double touching = 1e-4; // of the cell's edge
+
+/// Touching does not count. The margin belongs to the box, so that what reaches into a cell reaches into its parent.
+template <int dim> bool reaches_into(const RefinedBox& box, const std::array<double, dim>& corner, const double size)
+{
+  const double margin = 1e-6 * box.element_size;
+  for (unsigned int d = 0; d < dim; ++d)
+    if (corner[d] + size < box.min[d] + margin || corner[d] > box.max[d] - margin)
+      return false;
+  return true;
+}
+} // namespace
+
+template <int dim>
+CellAdaptation<dim>::CellAdaptation(BackgroundMesh<dim>& mesh_, ParticleSet<dim>& particles_,
+                                    const RigidSystems& bodies_, const Adaptivity& adaptivity_,
+                                    const unsigned int points_per_axis_)
+    : mesh(mesh_),
+      particles(particles_),
+      bodies(bodies_),
+      adaptivity(adaptivity_),
+      points_per_axis(points_per_axis_),
+      refines(adaptivity.type == AdaptivityType::rigid_body_surface)
+{
+}
+
+template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next()
+{
+  const WantedSize<dim> wanted = [this](const std::array<double, dim>& lower, const double size)
+  { return wanted_size(lower, size); };
+  refines = refines && flag_refinement<dim>(mesh, wanted, find_soil());
+  if (refines)
+  {
+    change_cells();
+    return Pass::cells;
+  }
+  switch (flag_coarsening<dim>(mesh, wanted, find_largest_sizes()))
+  {
+    case Coarsening::flagged:
+      change_cells();
+      gathered = false;
+      return Pass::cells;
+    case Coarsening::split_families:
+      if (gathered) // a repartition did not bring them together
+        return Pass::none;
+      particles.balance_load(particle_cost);
+      gathered = true;
+      return Pass::partition;
+    case Coarsening::none:
+      break;
+  }
+  return Pass::none;
+}
+
+template <int dim> void CellAdaptation<dim>::change_cells()
+{
+  particles.carry_through([this] { mesh.triangulation().execute_coarsening_and_refinement(); });
+}
+
+template <int dim>
+double CellAdaptation<dim>::wanted_size(const std::array<double, dim>& corner, const double size) const
+{
+  const double base_size = mesh.layout().base_size;
+  if (adaptivity.type != AdaptivityType::rigid_body_surface)
+    return base_size;
+  double wanted = base_size;
+  for (const RefinedBox& box : adaptivity.boxes)
+    if (box.element_size < wanted && reaches_into<dim>(box, corner, size))
+      wanted = box.element_size;
+  std::array<double, dim> far_corner = corner;
+  for (double& x : far_corner)
+    x += size;
+  const Eigen::Vector3d lower = to_world<dim>(corner), upper = to_world<dim>(far_corner);
+  if (surface_comes_within(bodies, lower, upper, touching * size))
+    return std::min(wanted, adaptivity.element_size);
+  if (adaptivity.region > 0. && adaptivity.element_size_in_region < wanted &&
+      surface_comes_within(bodies, lower, upper, adaptivity.region))
+    return adaptivity.element_size_in_region;
+  return wanted;
+}
+
+/// By leaf: whether any rank's particles reach into it.
+template <int dim> std::vector<unsigned char> CellAdaptation<dim>::find_soil() const
+{
+  const std::vector<double> nothing(particles.positions().size(), 0.); // the volume is all that counts here
+  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+      mesh.leaves(), {particles.positions(), particles.half_widths(), nothing, nothing, nothing}, 0.,
+      mesh.triangulation().get_communicator());
+  std::vector<unsigned char> holds_soil(contents.size());
+  for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
+    holds_soil[leaf] = is_populated(contents[leaf]);
+  return holds_soil;
+}
+
+/// By leaf: the largest edge that its particles allow. The mean width of a particle may grow by half a level, for
+/// domains follow the deformation.
+template <int dim> std::vector<double> CellAdaptation<dim>::find_largest_sizes() const
+{
+  std::vector<double> largest(mesh.leaves().leaves.size(), std::numeric_limits<double>::infinity());
+  if (adaptivity.merge) // particles follow the cells
+    return largest;
+  for (const auto& particle : particles.handler()) // those outside the window too, for they may come back
+  {
+    double volume = 1.;
+    for (unsigned int d = 0; d < dim; ++d)
+      volume *= 2. * particle.get_properties()[field::half_width + d];
+    double& allowed = largest[mesh.leaf_number(particle.get_surrounding_cell())];
+    allowed = std::min(allowed, std::sqrt(2.) * points_per_axis * std::pow(volume, 1. / dim));
+  }
+  return largest;
+}
+
+template class CellAdaptation<2>;
+template class CellAdaptation<3>;
+} // namespace kedge

@@ -1,0 +1,169 @@
+#include <kedge/base/communication.h>
+#include <kedge/base/world_axes.h>
+#include <kedge/particles/generation.h>
+#include <kedge/particles/merging.h>
+#include <kedge/particles/splitting.h>
+#include <kedge/soil/adaptation.h>
+#include <kedge/soil/soil.h>
+
+namespace kedge
+{
+namespace
+{
+/// Work of the busiest rank over the mean above which a repartition pays.
+constexpr double worst_imbalance = 1.1;
+
+Materials upload_layers(const std::vector<Layer>& layers)
+{
+  std::vector<MaterialParameters> parameters;
+  for (const Layer& layer : layers)
+    parameters.push_back(layer.material);
+  return upload_materials(parameters);
+}
+} // namespace
+
+template <int dim>
+Soil<dim>::Soil(const GridLayout<dim>& layout, const MaterialPointParameters& parameters,
+                const ContactParameters& contact, const MPI_Comm communicator)
+    : given(parameters),
+      grid(communicator, layout),
+      points(grid),
+      laws(upload_layers(parameters.layers)),
+      contacts(contact, communicator)
+{
+}
+
+template <int dim> long long Soil<dim>::count_cells() const
+{
+  long long cells = 0;
+  for (const auto& cell : grid.triangulation().active_cell_iterators())
+    cells += cell->is_locally_owned() && grid.in_window(cell) && points.handler().n_particles_in_cell(cell) > 0;
+  return sum_over_ranks(cells, communicator());
+}
+
+template <int dim> void Soil<dim>::generate(const double gravity)
+{
+  generate_particles(points, grid, given, gravity);
+  points.balance_load(particle_cost);
+}
+
+template <int dim> void Soil<dim>::place_window(const RigidSystems& bodies, const BoundaryTrack& track)
+{
+  set_window(kedge::place_window<dim>(track, extent_of<dim>(bodies), grid.layout()), track);
+}
+
+template <int dim> void Soil<dim>::move_window(const RigidSystems& bodies, const BoundaryTrack& track)
+{
+  set_window(advance_window<dim>(grid.leaves().window, track, extent_of<dim>(bodies), grid.layout()), track);
+}
+
+template <int dim> void Soil<dim>::set_window(const Window<dim>& window, const BoundaryTrack& track)
+{
+  if (window == grid.leaves().window)
+    return;
+  grid.set_window(window);
+  deleted += points.remove_if(
+      [&](const auto& particle)
+      {
+        // by its cell, as activity is
+        const dealii::Point<dim> centre = particle.get_surrounding_cell()->center();
+        std::array<double, dim> x;
+        for (unsigned int d = 0; d < dim; ++d)
+          x[d] = centre[d];
+        return is_left_behind<dim>(x, window, track, grid.layout());
+      });
+  const LeafTable<dim> before = grid.leaves();
+  if (!balance_where_it_pays())
+    return;
+  follow_particles();
+  guess = transfer_prediction<dim>(guess, before, grid.leaves());
+}
+
+template <int dim> HopelessParticles Soil<dim>::clean()
+{
+  const HopelessParticles removed = remove_hopeless_particles(points, grid);
+  deleted += removed.distorted + removed.isolated;
+  return removed;
+}
+
+template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adaptivity& adaptivity)
+{
+  using Pass = typename CellAdaptation<dim>::Pass;
+  const LeafTable<dim> before = grid.leaves();
+  CellAdaptation<dim> cells(grid, points, bodies, adaptivity, given.points_per_axis);
+  bool changed = false;
+  for (Pass pass = cells.next(); pass != Pass::none; pass = cells.next())
+  {
+    if (pass == Pass::cells)
+    {
+      contacts.inherit(split_particles(points, grid, given.points_per_axis));
+      balance_where_it_pays();
+    }
+    follow_particles();
+    changed = true;
+  }
+  if (!changed)
+    return false;
+  guess = transfer_prediction<dim>(guess, before, grid.leaves());
+  if (adaptivity.merge)
+    merge();
+  return true;
+}
+
+template <int dim> void Soil<dim>::merge()
+{
+  const auto keep_none = [](const dealii::Point<dim>&) { return false; };
+  if (merge_particles<dim>(points, grid, given.points_per_axis, keep_none).removed > 0)
+    follow_particles();
+}
+
+/// Spreads cells and particles anew over the ranks if the busiest one has much more than the mean work.
+template <int dim> bool Soil<dim>::balance_where_it_pays()
+{
+  if (points.imbalance(particle_cost) <= worst_imbalance)
+    return false;
+  points.balance_load(particle_cost);
+  return true;
+}
+
+template <int dim> long long Soil<dim>::remove_buried(const RigidSystems& bodies)
+{
+  const long long removed = points.remove_if(
+      [&](const auto& particle)
+      {
+        const dealii::Point<dim> x = particle.get_location();
+        return is_inside(bodies, to_world<dim>(x));
+      });
+  deleted += removed;
+  return removed;
+}
+
+template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, const RigidSystems* bodies)
+{
+  if (bodies != nullptr)
+  {
+    points.set_contact_gaps(contacts.smallest_gaps(*bodies));
+    contacts.commit();
+  }
+  guess = increments.prediction;
+  points.commit(increments.particles, given.domain_update);
+  follow_particles();
+}
+
+template <int dim> Extent<dim> extent_of(const RigidSystems& bodies)
+{
+  const auto box = world_bounds(bodies);
+  Extent<dim> extent;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    extent.lower[d] = box[0][world_axis(dim, d)];
+    extent.upper[d] = box[1][world_axis(dim, d)];
+  }
+  return extent;
+}
+
+template class Soil<2>;
+template class Soil<3>;
+template Extent<2> extent_of<2>(const RigidSystems&);
+template Extent<3> extent_of<3>(const RigidSystems&);
+} // namespace kedge
