@@ -1,4 +1,4 @@
-# One static library per room (a folder below source/), linked to the rooms below it and to the packages it may use.
+# One static library per room (a folder below source/), linked to the rooms and packages that it names.
 
 # Trilinos 13 has no modern targets for its include folders: gather them in one interface library.
 add_library(Trilinos INTERFACE)
@@ -23,8 +23,13 @@ if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()
 
+# kedge_room(name ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
+#   ROOMS          rooms that it may include and links
+#   HEADERS_OF     rooms that it may include without linking; only scripts/checks/check-floors reads this list
+#   LINKS          packages that it and every room above it links
+#   PRIVATE_LINKS  packages that it alone links
 function(kedge_room name)
-  cmake_parse_arguments(ROOM "" "" "ROOMS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
   list(TRANSFORM ROOM_ROOMS PREPEND kedge_)
   if(sources)

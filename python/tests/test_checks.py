@@ -69,25 +69,39 @@ class Format(CheckCase):
 
 
 class Floors(CheckCase):
-    def test_accepts_lower_rooms_and_the_own_room(self):
-        self.write("source/contact/a.cc", "#include \"b.h\"\n#include <kedge/contact/b.h>\n#include <kedge/basis/c.h>\n")
-        self.write("source/main.cc", "#include <kedge/simulation/a.h>\n")
+    def setUp(self):
+        super().setUp()
+        self.write("CMakeLists.txt", "kedge_room(base LINKS fmt::fmt)\n"
+                   "kedge_room(mesh ROOMS base LINKS deal.II)  # not kedge_room(attic)\n"
+                   "kedge_room(bodies ROOMS base)\n"
+                   "kedge_room(\n  contact\n  ROOMS base mesh\n  HEADERS_OF bodies\n  PRIVATE_LINKS output)\n")
+
+    def test_accepts_named_rooms_and_the_own_room(self):
+        self.write("source/contact/a.cc", "#include \"b.h\"\n#include <kedge/contact/b.h>\n#include <kedge/mesh/c.h>\n"
+                   "#include <kedge/bodies/d.h>\n")
+        self.write("source/main.cc", "#include <kedge/contact/a.h>\n")
         self.assert_passes("check-floors")
 
-    def test_finds_a_higher_room(self):
-        self.write("include/kedge/solvers/a.h", "#pragma once\n#include <kedge/materials/b.h>\n")
-        self.assert_finds("check-floors", "include/kedge/solvers/a.h:2: solvers (floor 2)", "floor 3")
+    def test_finds_rooms_that_are_not_named(self):
+        self.write("include/kedge/mesh/a.h", "#pragma once\n#  include <kedge/bodies/b.h>\n")
+        self.assert_finds("check-floors", "include/kedge/mesh/a.h:2: mesh includes <kedge/bodies/b.h>, "
+                          "but kedge_room(mesh ...) in CMakeLists.txt does not name bodies")
 
-    def test_finds_a_neighbour_on_the_same_floor(self):
-        self.write("source/mesh/a.cc", "#  include <kedge/bodies/b.h>\n")
-        self.assert_finds("check-floors", "source/mesh/a.cc:1: mesh (floor 3)")
-
-    def test_finds_rooms_without_a_floor(self):
+    def test_finds_rooms_that_are_not_declared(self):
         self.write("source/attic/a.cc", "\n")
-        self.write("source/basis/a.cc", "#include <kedge/attic/b.h>\n")
-        self.assert_finds("check-floors", "the room attic has no floor", "<kedge/attic/b.h> is in no known room")
+        self.write("source/mesh/a.cc", "#include <kedge/attic/b.h>\n")
+        self.assert_finds("check-floors", "the room attic is not declared", "<kedge/attic/b.h> is in no known room")
 
-    def test_finds_a_way_around_by_relative_paths(self):
+    def test_finds_lists_that_name_no_room(self):
+        self.write("CMakeLists.txt", "kedge_room(base ROOMS attic)\n")
+        self.assert_finds("check-floors", "kedge_room(base ...) names attic, which is no room")
+
+    def test_finds_rooms_that_include_each_other(self):
+        self.write("CMakeLists.txt", "kedge_room(base)\nkedge_room(mesh ROOMS base bodies)\n"
+                   "kedge_room(bodies ROOMS contact)\nkedge_room(contact ROOMS mesh)\n")
+        self.assert_finds("check-floors", "these rooms include each other: bodies, contact, mesh")
+
+    def test_finds_relative_paths_into_other_rooms(self):
         self.write("source/base/a.cc", "#include \"../output/b.h\"\n")
         self.assert_finds("check-floors", "leaves its folder")
 
