@@ -93,7 +93,7 @@ def draw_sections(trajectories, folder, stem, distances=(0., 3., 5., 10., 19.)):
     if not lying:
         return
     mesh, anchor = max(reversed(lying.items()), key=lambda item: round(item[1].distance[-1], 1))
-    written = [step for step in anchor.run.steps() if step >= anchor.steps[0] - 1]
+    written = [step for step in anchor.run.vtk_steps() if step >= anchor.steps[0] - 1]
     at = np.interp(written, anchor.steps, anchor.distance)
     for distance in distances:
         if not written or distance > anchor.distance[-1] + 0.2:

@@ -2,8 +2,7 @@
 import csv
 
 import numpy as np
-
-from kedge_plot.run import Run
+from kedge_runs.run import Run
 
 HALVES = 2.  # the model is one half
 DRAG_STAGE = 3
@@ -53,7 +52,7 @@ class Trajectory(Curves):
 
     def __init__(self, folder):
         self.run = Run(folder)
-        rows = self.run.body_history()
+        rows = self.run.bodies()
         drag = rows["stage"] == DRAG_STAGE
         self.surface = rows["body1_position_z"][rows["stage"] == DRAG_STAGE - 1][0] - PALMS  # of the settled soil, m
         column = {name: values[drag] for name, values in rows.items()}
@@ -66,7 +65,7 @@ class Trajectory(Curves):
         self.tip_depth = self.centre_depth - (TIP - FLUKE_CENTRE) * np.sin(np.radians(self.fluke_angle))
         self.line_force = HALVES * column["body3_reaction force_x"]
         self.hinge_gap = self._hinge_gap(column)
-        self.finished = self.run.summary().get("status") == "finished"
+        self.finished = self.run.is_finished
 
     def _hinge_gap(self, column):
         """Distance between the pivot on the fluke and the pivot on the shank: what the hinge's springs give."""
@@ -79,7 +78,7 @@ class Trajectory(Curves):
     @property
     def record(self):
         """Of the table of runs, but for the mesh: the end of the drag and what it cost."""
-        summary = self.run.summary()
+        summary = self.run.summary
         stages = summary.get("stages", [])
         drag = stages[-1] if len(stages) == 3 else {}
         return {"dragged / m": f"{self.distance[-1]:.2f}", "finished": self.finished,

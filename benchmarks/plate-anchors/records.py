@@ -3,10 +3,10 @@ import json
 
 import numpy as np
 from cases import BASE_AT
-from kedge_plot import PlotError
 from kedge_plot.resistance import resistance_curve
-from kedge_plot.run import Run
 from kedge_plot.section import cut
+from kedge_runs import RunError
+from kedge_runs.run import Run
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 LAST = 0.01  # m of a way, that mean resistances are taken over
@@ -19,13 +19,12 @@ def of_run(case, work):
     """The run of a case and its record; None for both where it has not come to its end."""
     try:
         run = Run(work / case.name)
-        summary = run.summary()
-        if summary.get("status") != "finished":
+        if not run.is_finished:
             return None, None
-        curve = resistance_curve(run.body_history(), axis="x", factor=2., start=run.start_of(1))
-    except PlotError:
+        curve = resistance_curve(run.bodies(), axis="x", factor=2., start=run.start_of(1))
+    except RunError:
         return None, None
-    stage = summary["stages"][-1]
+    summary, stage = run.summary, run.stages[-1]
     record = {"displacement": [round(d, 7) for d in curve.displacement], "force": [float(f"{f:.5g}") for f in curve.force],
               **{name: stage[name] for name in COUNTS}, "wall time": round(summary["wall time"]["total"], 1),
               "peak memory": summary["peak memory"], "ranks": summary["ranks"]}

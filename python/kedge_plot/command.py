@@ -5,9 +5,11 @@ import sys
 
 import numpy as np
 
+from kedge_runs import RunError
+from kedge_runs.run import Run
+
 from . import PlotError
 from .resistance import fit_hyperbola, resistance_curve
-from .run import Run
 from .section import cut
 
 
@@ -61,7 +63,7 @@ def main(arguments=None):
         drawn = [_attempt(plot, both, run, target, options, caption)
                  for plot, asked in ((_plot_resistance, options.resistance), (_plot_section, options.section))
                  if asked or both]
-    except PlotError as error:
+    except RunError as error:
         print(f"kedge-plot: {error}", file=sys.stderr)
         return 1
     return 0 if any(drawn) else 1
@@ -72,7 +74,7 @@ def _attempt(plot, may_fail, run, target, options, caption):
     try:
         print(plot(run, target, options, caption))
         return True
-    except PlotError as error:
+    except RunError as error:
         if not may_fail:
             raise
         print(f"kedge-plot: {error}", file=sys.stderr)
@@ -81,7 +83,7 @@ def _attempt(plot, may_fail, run, target, options, caption):
 
 def _caption(run):
     """Version and input of the run, for the figure's corner."""
-    summary = run.summary()
+    summary = run.summary
     parts = [f"Kedge {summary['version']}"] if summary.get("version") else []
     parts += [pathlib.Path(summary["input"]).name] if summary.get("input") else []
     return ", ".join(parts)
@@ -92,7 +94,7 @@ def _plot_resistance(run, target, options, caption):
 
     if options.area is not None and not options.area > 0.:
         raise PlotError(f"--area {options.area:g}: an area is positive")
-    curve = resistance_curve(run.body_history(), options.body, options.axis, options.stage, options.factor,
+    curve = resistance_curve(run.bodies(), options.body, options.axis, options.stage, options.factor,
                              options.zero, run.start_of(options.body))
     fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
     path = target / f"resistance_body{options.body}_{curve.axis}.png"

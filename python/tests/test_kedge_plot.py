@@ -17,11 +17,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.command import main  # noqa: E402
+from kedge_plot.filling import triangles_between  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola, resistance_curve  # noqa: E402
-from kedge_plot.run import Run, read_columns  # noqa: E402
-from kedge_plot.filling import triangles_between
 from kedge_plot.section import cut, evaluate  # noqa: E402
-from kedge_plot.vtu import read_grid  # noqa: E402
+from kedge_runs import RunError  # noqa: E402
+from kedge_runs.run import Run  # noqa: E402
+from kedge_runs.vtu import read_grid  # noqa: E402
 
 _NAMES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 
@@ -174,11 +175,11 @@ class Reader(TemporaryFolder):
         path = self.folder / "grid.vtu"
         VtuWriter("raw").write(path, points, cells, 12, {"corner": lower})
         path.write_bytes(path.read_bytes()[:-400])
-        with self.assertRaisesRegex(PlotError, "grid.vtu: damaged"):
+        with self.assertRaisesRegex(RunError, "grid.vtu: damaged"):
             read_grid(path)
 
     def test_missing_file_is_named(self):
-        with self.assertRaisesRegex(PlotError, "nowhere.vtu: cannot be read"):
+        with self.assertRaisesRegex(RunError, "nowhere.vtu: cannot be read"):
             read_grid(self.folder / "nowhere.vtu")
 
 
@@ -248,7 +249,7 @@ class ResistanceCurve(TemporaryFolder):
 
     def test_row_cut_off_while_written_is_left_out(self):
         write_run(self.folder)
-        self.assertEqual(len(read_columns(self.folder / "csv" / "rigid_body.csv")["time"]), 60)
+        self.assertEqual(len(Run(self.folder).body("time")), 60)
 
 
 class SectionCut(TemporaryFolder):

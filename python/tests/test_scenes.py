@@ -10,11 +10,12 @@ import unittest
 import numpy as np
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
-sys.path.insert(0, str(SCENES))
+sys.path[:0] = [str(SCENES), str(SCENES.parents[1] / "python")]
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
+from kedge_runs import RunError  # noqa: E402
+from kedge_runs.run import Run  # noqa: E402
 from measures import bar, column, course, cube, footing, plate, slope  # noqa: E402
-from runs import Run, RunError  # noqa: E402
 
 
 class RunCase(unittest.TestCase):
@@ -194,7 +195,7 @@ class BarVibration(RunCase):
         for changes, left in (({}, 1.), ({"beta": 0.5, "gamma": 1.}, np.exp(-0.5 * 0.0125 * (2. * np.pi)**2 * 10.))):
             (run.folder / "input.json").write_text(json.dumps({**run.input, "analysis": [{**stage, **changes}]}),
                                                    encoding="utf-8")
-            self.assertAlmostEqual(bar.expected_energy_left(run), left, delta=0.02)
+            self.assertAlmostEqual(bar.expected_energy_left(Run(run.folder)), left, delta=0.02)
 
 
 class Slope(RunCase):

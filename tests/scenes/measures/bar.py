@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from runs import RunError
+from kedge_runs import RunError
 
 MODES = 20
 
@@ -67,8 +67,8 @@ class History:
 
 def history(run):
     bar, stage = Bar.of(run), run.input["analysis"][0]
-    steps = run.steps()
-    if run.summary["stages"][0]["cuts"] or steps != list(range(2, 2 + len(steps))):
+    steps = run.csv_steps()
+    if run.stages[0]["cuts"] or steps != list(range(2, 2 + len(steps))):
         raise RunError(f"{run.folder}: every step must be whole and be written")
     rows = [_row(run, step, bar) for step in steps]
     return History(stage.get("basis step", stage["dt"]) * np.arange(len(steps) + 1), *np.array([[0.] * 5, *rows]).T)

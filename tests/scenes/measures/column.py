@@ -52,7 +52,7 @@ def _largest_jump(run, interface, distance):
     """Over all steps written, over the final base stress."""
     length, weight, _ = _case(run)
     steps, largest = run.input["analysis"][0]["load steps"], 0.
-    for step in run.steps():
+    for step in run.csv_steps():
         start, load = run.points("initial position_z", step), (step - 1) / steps
         _, rows = np.unique(np.round(start / length, 6), return_index=True)
         error = (run.points("stress_zz", step) / weight + load * (length - start))[rows] / length

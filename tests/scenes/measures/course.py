@@ -9,18 +9,18 @@ def most_iterations(*runs):
 
 def mean_iterations(*runs):
     """Newton iterations per step."""
-    stages = [stage for run in runs for stage in run.summary["stages"]]
+    stages = [stage for run in runs for stage in run.stages]
     return sum(stage["newton iterations"] for stage in stages) / sum(stage["steps"] for stage in stages)
 
 
 def cuts(*runs):
     """Steps that had to be cut."""
-    return sum(stage["cuts"] for run in runs for stage in run.summary["stages"])
+    return sum(stage["cuts"] for run in runs for stage in run.stages)
 
 
 def deepest_penetration(*runs):
     """Of any corner into a body, at the end of any step, m."""
-    return max(stage["deepest penetration"] for run in runs for stage in run.summary["stages"])
+    return max(stage["deepest penetration"] for run in runs for stage in run.stages)
 
 
 def largest_difference(first, second, columns):
@@ -43,5 +43,5 @@ def mean_body_difference(first, second, column):
 
 def share_of_points(first, second):
     """Material points at the end of the first run over those of the second."""
-    counts = [run.summary["stages"][-1]["material points"] for run in (first, second)]
+    counts = [run.stages[-1]["material points"] for run in (first, second)]
     return counts[0] / counts[1]

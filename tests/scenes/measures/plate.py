@@ -1,12 +1,6 @@
 """A plate anchor in sand: one half of it, buried at the start, pulled along x."""
-import pathlib
-import sys
-
 import numpy as np
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
-
-from kedge_plot.resistance import fit_hyperbola  # noqa: E402  (found only after the line above)
+from kedge_plot.resistance import fit_hyperbola
 
 
 def _start(run):
