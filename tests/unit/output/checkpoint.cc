@@ -1,98 +1,21 @@
-#include "../particles/soil_block.h"
-#include "read_back.h"
+#include "checkpointed_run.h"
 
 #include <cstring>
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
-#include <kedge/output/checkpoint.h>
 #include <kedge/particles/splitting.h>
 #include <set>
+
+// What a checkpoint brings back.
 
 namespace kedge
 {
 namespace
 {
-using test::noise;
-using test::TemporaryFolder;
-
-constexpr double particle_cost = 20.;
-const std::string input = R"({"domain": {"size": 2.0}, "analysis": [{"load steps": 10}], "output": {"vtk": "on"}})";
-
-RigidSystems two_points()
-{
-  RigidSystems bodies;
-  bodies.points.resize(2);
-  return bodies;
-}
-
-/// Everything that a run keeps between two steps, empty at first.
-template <int dim> struct Fresh
-{
-  explicit Fresh(const MPI_Comm communicator_)
-      : communicator(communicator_),
-        mesh(communicator, test::SoilBlock<dim>::layout()),
-        particles(mesh),
-        contact({}, communicator)
-  {
-  }
-
-  RunState<dim> state() { return {mesh, particles, bodies, contact, prediction, progress}; }
-
-  MPI_Comm communicator;
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
-  RigidSystems bodies = two_points();
-  Contact<dim> contact;
-  std::vector<double> prediction;
-  RunProgress progress;
-};
-
-/// A run in the middle of a stage: refined cells, disturbed particles, some of them waiting outside the window.
-template <int dim> struct Interrupted : test::SoilBlock<dim>
-{
-  explicit Interrupted(const MPI_Comm communicator) : test::SoilBlock<dim>(communicator), contact({}, communicator)
-  {
-    this->refine(false);
-    this->disturb();
-    Window<dim> window = this->mesh.leaves().window;
-    window.upper[0] -= 1;
-    this->mesh.set_window(window);
-    this->particles.load();
-
-    std::vector<ContactRecord> records;
-    for (const long long id : this->particles.ids())
-      for (std::uint32_t corner = 0; corner < 2 && noise(id, 1) < 0.4; ++corner)
-        records.push_back(
-            {id, corner, 1, {noise(id, 2), -noise(id, 3), noise(id, corner)}, -noise(id, 4), noise(id, 5)});
-    contact.import_history(records, this->particles.ids());
-
-    for (unsigned int i = 0; i < 2; ++i)
-    {
-      RigidPoint& point = bodies.points[i];
-      for (unsigned int d = 0; d < 3; ++d)
-        point.pose.position[d] = noise(d, i);
-      point.pose.rotation = rotation_from_vector({noise(3, i), noise(4, i), noise(5, i)});
-      for (unsigned int d = 0; d < 6; ++d)
-      {
-        point.velocity[d] = noise(d, 10 + i);
-        point.acceleration[d] = noise(d, 20 + i);
-        point.last_increment[d] = noise(d, 30 + i);
-      }
-    }
-    for (const auto& x : this->mesh.leaves().node_position)
-      for (unsigned int d = 0; d < dim; ++d)
-        prediction.push_back(test::noise_at(x, dim, d));
-    progress = {2, {4096, 12345, 64, 3, 2, 4, true}, 77, 15, 4, true, "a {\"summary\"} with umlauts: ä"};
-  }
-
-  RunState<dim> state() { return {this->mesh, this->particles, bodies, contact, prediction, progress}; }
-
-  RigidSystems bodies = two_points();
-  Contact<dim> contact;
-  std::vector<double> prediction;
-  RunProgress progress;
-};
+using test::Fresh;
+using test::Interrupted;
+using test::particle_cost;
+const std::string& input = test::checkpointed_input;
 
 /// The contact history of all ranks, in order.
 template <int dim> std::vector<ContactRecord> history(const Contact<dim>& contact, const MPI_Comm communicator)
@@ -149,26 +72,10 @@ public:
   MPI_Comm communicator;
 };
 
-template <typename Dimension> class Checkpoint : public testing::Test
+template <typename Dimension> class Checkpoint : public test::CheckpointTest<Dimension>
 {
-public:
-  static constexpr int dim = Dimension::value;
-
-protected:
-  /// Writes the state of an interrupted run on all ranks and reads it again, with another input if told.
-  void write() { write_checkpoint(Interrupted<dim>(MPI_COMM_WORLD).state(), input, file); }
-  void read(const std::string& other_input = input)
-  {
-    Fresh<dim> run(MPI_COMM_WORLD);
-    read_checkpoint(run.state(), other_input, file, particle_cost);
-  }
-
-  const TemporaryFolder folder;
-  const std::string file = folder / "run.restart";
 };
-
-using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(Checkpoint, Dimensions, test::DimensionName);
+TYPED_TEST_SUITE(Checkpoint, test::CheckpointDimensions, test::DimensionName);
 
 TYPED_TEST(Checkpoint, StateIsTheSameOnAnyNumbersOfRanks)
 {
@@ -309,99 +216,6 @@ TYPED_TEST(Checkpoint, NoPredictionStaysNone)
   restored.prediction = {1.};
   read_checkpoint(restored.state(), input, this->file, particle_cost);
   EXPECT_TRUE(restored.prediction.empty());
-}
-
-TYPED_TEST(Checkpoint, IncompleteFileIsRefused)
-{
-  this->write();
-  const auto size = std::filesystem::file_size(this->file);
-  for (const std::uintmax_t bytes : {size - 1, size / 2, std::uintmax_t(100), std::uintmax_t(0)})
-  {
-    MPI_Barrier(MPI_COMM_WORLD);
-    if (rank_of(MPI_COMM_WORLD) == 0)
-      std::filesystem::resize_file(this->file, bytes);
-    MPI_Barrier(MPI_COMM_WORLD);
-    EXPECT_THROW(this->read(), FileError) << bytes;
-  }
-}
-
-TYPED_TEST(Checkpoint, MissingOrForeignFileIsRefused)
-{
-  EXPECT_THROW(this->read(), FileError);
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (rank_of(MPI_COMM_WORLD) == 0)
-    write_text_file(this->file, std::string(10000, 'x'));
-  MPI_Barrier(MPI_COMM_WORLD);
-  EXPECT_THROW(this->read(), FileError);
-}
-
-TYPED_TEST(Checkpoint, FileOfTheOtherDimensionIsRefused)
-{
-  constexpr int other = 5 - TypeParam::value;
-  write_checkpoint(Interrupted<other>(MPI_COMM_WORLD).state(), input, this->file);
-  EXPECT_THROW(this->read(), FileError);
-}
-
-TYPED_TEST(Checkpoint, FileOfAnotherVersionIsRefused)
-{
-  this->write();
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (rank_of(MPI_COMM_WORLD) == 0)
-  {
-    std::string bytes = read_text_file(this->file);
-    const std::string version = "Kedge restart file ";
-    bytes[bytes.find(version) + version.size()] = '9';
-    write_text_file(this->file, bytes);
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  EXPECT_THROW(this->read(), FileError);
-}
-
-TYPED_TEST(Checkpoint, OtherInputIsRefusedByTheNameOfItsKey)
-{
-  this->write();
-  std::string other = input;
-  other.replace(other.find("10"), 2, "11");
-  try
-  {
-    this->read(other);
-    FAIL() << "accepted";
-  }
-  catch (const InputError& error)
-  {
-    EXPECT_NE(std::string(error.what()).find("/analysis/0/load steps"), std::string::npos) << error.what();
-  }
-}
-
-TYPED_TEST(Checkpoint, OtherOutputIsAccepted)
-{
-  this->write();
-  std::string other = input;
-  other.replace(other.find("\"on\""), 4, "\"off\"");
-  EXPECT_NO_THROW(this->read(other));
-}
-
-TYPED_TEST(Checkpoint, TheLastStageMayEndLaterThanItWasToButNotEarlier)
-{
-  const auto until = [](const char* first, const char* last)
-  { return std::string(R"({"analysis": [{"final time": )") + first + R"(}, {"final time": )" + last + "}]}"; };
-  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("1.0", "3.0"), this->file);
-  EXPECT_NO_THROW(this->read(until("1.0", "19.0")));
-  EXPECT_THROW(this->read(until("1.0", "2.0")), InputError);
-  EXPECT_THROW(this->read(until("2.0", "3.0")), InputError);
-}
-
-TYPED_TEST(Checkpoint, AnExplicitStageMayEndLaterOnlyIfItsStepsStayAsLong)
-{
-  const auto until = [](const char* last, const char* step)
-  {
-    return std::string(R"({"analysis": [{"type": "explicit", "final time": )") + last + R"(, "basis step": )" + step +
-           "}]}";
-  };
-  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("3.0", "0.01"), this->file);
-  EXPECT_NO_THROW(this->read(until("19.0", "0.01")));
-  write_checkpoint(Interrupted<TypeParam::value>(MPI_COMM_WORLD).state(), until("3.0", "\"auto\""), this->file);
-  EXPECT_THROW(this->read(until("19.0", "\"auto\"")), InputError);
 }
 
 TYPED_TEST(Checkpoint, ReplacesTheFileAndLeavesNoDraft)
