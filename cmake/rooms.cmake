@@ -1,16 +1,16 @@
 # One static library per room (a folder below source/), linked to the rooms and packages that it names.
 
-# Trilinos 13 has no modern targets for its include folders: gather them in one interface library.
+# Trilinos 13 has no modern targets for its include folders; this library gathers them.
 add_library(Trilinos INTERFACE)
 target_include_directories(Trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
 target_link_libraries(Trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
 
-# deal.II likewise; its own macros would force its flags on every target.
+# The same for deal.II, whose own macros would force its flags on every target.
 add_library(deal.II INTERFACE)
 target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
 target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} Trilinos)
 
-# SuiteSparse of Debian 12 brings no CMake files.
+# SuiteSparse of Debian 12 has no CMake files.
 add_library(UMFPACK INTERFACE)
 target_include_directories(UMFPACK SYSTEM INTERFACE ${UMFPACK_INCLUDE_DIR})
 target_link_libraries(UMFPACK INTERFACE ${UMFPACK_LIBRARY})

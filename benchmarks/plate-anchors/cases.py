@@ -50,7 +50,8 @@ class Case:
         for field in dataclasses.fields(self)[1:]:
             value = getattr(self, field.name)
             if value != field.default:
-                parts.append(f"{field.name.replace('_', '-')}-{value if isinstance(value, str) else format(value, 'g')}")
+                text = value if isinstance(value, str) else format(value, "g")
+                parts.append(f"{field.name.replace('_', '-')}-{text}")
         return "-".join(parts)
 
     def with_cells(self, cell):
@@ -164,8 +165,8 @@ def teng_square(case):
 
 
 def broms_square(case):
-    """Three times Rankine's passive pressure at the depth of the axis: Broms (1964, J. Soil Mech. Found. Div. 90(3)) for
-    narrow bodies, Pa."""
+    """Resistance of narrow bodies by Broms (1964, J. Soil Mech. Found. Div. 90(3)), Pa: three times Rankine's passive
+    pressure at the depth of the axis."""
     return 3. * _earth_pressures(case)[0] * WEIGHT * case.depth
 
 

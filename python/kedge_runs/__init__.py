@@ -1,4 +1,4 @@
-"""Runs of Kedge: starts the program and reads its output folders. kedge-plot, the scene tests and the benchmarks use it."""
+"""Starts Kedge and reads its output folders, for kedge-plot, the tests of scenes and the benchmarks."""
 
 
 class RunError(Exception):

@@ -20,7 +20,8 @@ _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "
 
 @dataclass
 class Grid:
-    """Points (n, 3), cells as lists of point numbers with VTK's cell types, and named data, one row per entry."""
+    """Points (n, 3), cells as lists of point numbers with VTK's cell types, and named data with one row per point or
+    cell."""
     points: np.ndarray
     connectivity: np.ndarray
     offsets: np.ndarray
@@ -151,7 +152,8 @@ class _Arrays:
         return data[:n_bytes]
 
     def _inflate(self, data):
-        """Blocks: their number, their size, the size of an incomplete last one, the compressed sizes, the blocks."""
+        """Inflates blocks. The data holds their number, their size, the size of an incomplete last one, the compressed
+        sizes, and the blocks."""
         n_blocks = int(np.frombuffer(data, self.header, 1)[0])
         sizes = np.frombuffer(data, self.header, n_blocks, 3 * self.header.itemsize) if n_blocks else []
         at = (3 + n_blocks) * self.header.itemsize
@@ -163,6 +165,6 @@ class _Arrays:
 
 
 def _decode(text):
-    """Base64 in which header and data may have been encoded one after the other, each with its own padding."""
+    """Decodes base64 whose header and data may be encoded separately, each with its own padding."""
     text = "".join(text.split())
     return b"".join(base64.b64decode(part) for part in re.findall(r"[^=]+={0,2}", text))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the style checks: each finds the fault that it is there for, and nothing in a good example."""
+"""Tests of the checks: each finds its fault, and nothing in a good example."""
 import pathlib
 import subprocess
 import sys
@@ -62,7 +62,7 @@ class Format(CheckCase):
         self.write("source/a.cc", "int   main(){return 0;}\n")
         self.assert_finds("check-format", "source/a.cc:1:")
 
-    def test_fix_mends_it(self):
+    def test_fix_corrects_it(self):
         self.write("include/a.h", "int   f(  );\n")
         self.assert_passes("check-format", "--fix")
         self.assertEqual((self.root / "include/a.h").read_text(encoding="utf-8"), "int f();\n")
@@ -128,8 +128,8 @@ class Core(CheckCase):
         self.write("include/kedge/basis/b.h", "#include <kedge/mesh/c.h>\n")
         self.write("include/kedge/mesh/c.h", "\n#include <deal.II/grid/tria.h>\n")
         self.assert_finds("check-core", "source/assembly/a.cc:1: the core reaches deal.II/grid/tria.h, "
-                          "by way of source/assembly/local.h:1, by way of include/kedge/basis/b.h:1, "
-                          "by way of include/kedge/mesh/c.h:2")
+                          "through source/assembly/local.h:1, through include/kedge/basis/b.h:1, "
+                          "through include/kedge/mesh/c.h:2")
 
     def test_headers_that_include_each_other_come_to_an_end(self):
         self.write("include/kedge/materials/a.h", "#include <kedge/materials/b.h>\n")
@@ -143,16 +143,44 @@ class Core(CheckCase):
 
 
 class Lengths(CheckCase):
-    def test_counts_sources_and_scripts_only(self):
-        self.write("source/a.cc", 450 * "\n")
+    def test_counts_lines_of_sources_and_scripts_only(self):
+        self.write("source/a.cc", 400 * "\n")
         self.write("doc/a.md", 1000 * "\n")
         self.write("LICENSE", 1000 * "\n")
         self.assert_passes("check-lengths")
 
     def test_finds_long_files(self):
-        self.write("source/a.cc", 451 * "\n")
+        self.write("source/a.cc", 401 * "\n")
         self.write("scripts/a", "#!/bin/bash\n" + 500 * "\n")
-        self.assert_finds("check-lengths", "source/a.cc: 451 lines", "scripts/a: 501 lines")
+        self.assert_finds("check-lengths", "source/a.cc: 401 lines", "scripts/a: 501 lines")
+
+    def test_counts_characters_not_bytes(self):
+        self.write("a.py", f"# {118 * 'β'}\n")
+        self.assert_passes("check-lengths")
+
+    def test_finds_wide_lines(self):
+        wide = 30 * "word "
+        for name in ("a.py", "CMakeLists.txt", "a.cmake", "a.md", "b"):
+            with self.subTest(name):
+                self.write(name, f"#!/bin/sh\n# {wide}\n")
+                self.assert_finds("check-lengths", f"{name}:2: 152 characters; break the line")
+                (self.root / name).unlink()
+
+    def test_leaves_wide_lines_of_other_files_alone(self):
+        for name in ("a.cc", "a.json", "LICENSE"):
+            self.write(name, 200 * "word ")
+        self.assert_passes("check-lengths")
+
+    def test_accepts_wide_lines_of_markdown_that_cannot_be_broken(self):
+        word, words = 130 * "x", 30 * "word "
+        self.write("a.md", f"| {words} |\n- [{words}]({word})\n![{words}](a.png)\nhttps://{word}\n"
+                   f"```sh\n{words}\n```\n")
+        self.assert_passes("check-lengths")
+
+    def test_finds_wide_text_of_markdown_beside_links_and_code(self):
+        words = 30 * "word "
+        self.write("a.md", f"see [{words}](a.png)\n```sh\n```\n{words}\n")
+        self.assert_finds("check-lengths", "a.md:1:", "a.md:4:", "2 findings")
 
 
 if __name__ == "__main__":
