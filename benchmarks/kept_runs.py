@@ -16,7 +16,7 @@ def is_finished(folder):
 
 def keep_run(program, scene, folder, settings, ranks=1, may_fail=False):
     """Runs a scene, a name in prm/ or a whole path, on one core per rank, unless the folder holds the finished run.
-    Starts from the folder's restart file where there is one. Raises CalledProcessError where the program fails, unless
+    Continues from the folder's restart file if there is one. Raises CalledProcessError where the program fails, unless
     it may fail."""
     if is_finished(folder):
         return
