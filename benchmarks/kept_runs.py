@@ -1,24 +1,25 @@
-"""Runs of the program that a benchmark keeps: what is finished is not made again."""
-import json
-import os
-import pathlib
+"""Runs of the program that a benchmark keeps and does not repeat once they are finished."""
 import subprocess
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+from kedge_runs import RunError
+from kedge_runs.program import ENVIRONMENT, ROOT, command
+from kedge_runs.run import Run
 
 
 def is_finished(folder):
-    """Whether the folder holds a run that came to its end."""
-    summary = folder / "summary.json"
-    return summary.is_file() and json.loads(summary.read_text(encoding="utf-8"))["status"] == "finished"
+    """Whether the folder holds a run that reached its end."""
+    try:
+        return Run(folder).is_finished
+    except RunError:
+        return False
 
 
 def keep_run(program, scene, folder, settings, ranks=1, may_fail=False):
-    """Runs a scene, a name in prm/ or a whole path, on one core per rank, from its restart file where there is one, unless it is finished.
-    Raises CalledProcessError where the program fails and may not."""
+    """Runs a scene, a name in prm/ or a whole path, on one core per rank, unless the folder holds the finished run.
+    Continues from the folder's restart file if there is one. Raises CalledProcessError where the program fails, unless
+    it may fail."""
     if is_finished(folder):
         return
-    launcher = [str(ROOT / "scripts" / "mpirun"), "-n", str(ranks)] if ranks > 1 else []
-    again = ["--restart"] if list(folder.rglob("restart.h5")) else []
-    subprocess.run([*launcher, str(program), "run", str(ROOT / "prm" / scene), "--quiet", *again, "--output", str(folder),
-                    "--set", *settings], check=not may_fail, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    options = ["--quiet"] + (["--restart"] if list(folder.rglob("restart.h5")) else [])
+    subprocess.run(command(program, ROOT / "prm" / scene, folder, settings, ranks, options), check=not may_fail,
+                   env=ENVIRONMENT)

@@ -1,4 +1,4 @@
-# Tests beside those of the rooms: style checks, the tests of the Python code, whole scenes.
+# Tests in addition to those of the rooms: checks of style, tests of the Python code, whole scenes.
 set(KEDGE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy and matplotlib; Debian's by default")
 
 foreach(check format floors core lengths)

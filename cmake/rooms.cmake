@@ -1,16 +1,16 @@
-# One static library per room (a folder below source/), linked to the rooms below it and to the packages it may use.
+# One static library per room (a folder below source/), linked to the rooms and packages that it names.
 
-# Trilinos 13 has no modern targets for its include folders: gather them in one interface library.
+# Trilinos 13 has no modern targets for its include folders; this library gathers them.
 add_library(Trilinos INTERFACE)
 target_include_directories(Trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
 target_link_libraries(Trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
 
-# deal.II likewise; its own macros would force its flags on every target.
+# The same for deal.II, whose own macros would force its flags on every target.
 add_library(deal.II INTERFACE)
 target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
 target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} Trilinos)
 
-# SuiteSparse of Debian 12 brings no CMake files.
+# SuiteSparse of Debian 12 has no CMake files.
 add_library(UMFPACK INTERFACE)
 target_include_directories(UMFPACK SYSTEM INTERFACE ${UMFPACK_INCLUDE_DIR})
 target_link_libraries(UMFPACK INTERFACE ${UMFPACK_LIBRARY})
@@ -23,8 +23,13 @@ if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()
 
+# kedge_room(name ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
+#   ROOMS          rooms that it may include and links
+#   HEADERS_OF     rooms that it may include without linking; only scripts/checks/check-floors reads this list
+#   LINKS          packages that it and every room above it links
+#   PRIVATE_LINKS  packages that it alone links
 function(kedge_room name)
-  cmake_parse_arguments(ROOM "" "" "ROOMS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
   list(TRANSFORM ROOM_ROOMS PREPEND kedge_)
   if(sources)

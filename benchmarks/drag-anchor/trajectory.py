@@ -1,35 +1,35 @@
-"""The anchor of one run: where it is and what pulls, over the drag distance."""
+"""The trajectory of the anchor in one run: position, angles and line force over the drag distance."""
 import csv
 
 import numpy as np
-
-from kedge_plot.run import Run
+from kedge_runs.run import Run
 
 HALVES = 2.  # the model is one half
 DRAG_STAGE = 3
-PALMS = 0.4795  # of the fluke below its axis, m: what rests on the soil as the anchor is placed
-TIP, PIVOT, FLUKE_CENTRE, SHANK_CENTRE = 1.7, 0.489, 0.62, 1.7592  # along x where the parts were drawn, m
+PALMS = 0.4795  # m: lowest point of the fluke below its axis, which rests on the soil at the start
+TIP, PIVOT, FLUKE_CENTRE, SHANK_CENTRE = 1.7, 0.489, 0.62, 1.7592  # m: x in the drawings of the parts
 
 
 class Curves:
-    """Arrays over the drag: `distance`, `centre_depth`, `tip_depth`, `line_force`, `fluke_angle` and `shank_angle`; lengths in m,
-    forces in N of the whole anchor, angles in degrees, tips and eye upwards positive."""
+    """Arrays over the drag: `distance`, `centre_depth`, `tip_depth`, `line_force`, `fluke_angle` and `shank_angle`.
+    Lengths are in m, forces in N for the whole anchor, angles in degrees, positive where tips and eye point upwards."""
 
     def mean_force(self, width=0.2):
-        """The line force averaged over `width` m of drag: the line's own swings drop out."""
+        """The line force averaged over `width` m of drag, which removes the oscillations of the line."""
         return np.array([self.line_force[abs(self.distance - d) <= width / 2.].mean() for d in self.distance])
 
     def at(self, values, distance):
-        """The value at a drag distance; not a number beyond the end of the run."""
+        """The value at a drag distance; NaN beyond the end of the run."""
         return np.interp(distance, self.distance, values, right=np.nan)
 
 
-COLUMNS = {"drag / m": "distance", "depth of the fluke's centre / m": "centre_depth", "depth of the tips / m": "tip_depth",
-           "line force / N": "line_force", "fluke angle / deg": "fluke_angle", "shank angle / deg": "shank_angle"}
+COLUMNS = {"drag / m": "distance", "depth of the fluke's centre / m": "centre_depth",
+           "depth of the tips / m": "tip_depth", "line force / N": "line_force", "fluke angle / deg": "fluke_angle",
+           "shank angle / deg": "shank_angle"}
 
 
 class KeptTrajectory(Curves):
-    """What the tables of an earlier run hold: `rows` of its curves, and its `record` in the table of runs."""
+    """An earlier run as the tables hold it: `rows` of its curves, and its `record` in the table of runs."""
 
     def __init__(self, rows, record):
         self.record = record
@@ -38,7 +38,7 @@ class KeptTrajectory(Curves):
 
 
 def read_kept(curves, table):
-    """The trajectories that two CSV files of an earlier run hold, by mesh; none where the files are missing."""
+    """The trajectories of earlier runs in two CSV files, by mesh; empty if a file is missing."""
     if not curves.is_file() or not table.is_file():
         return {}
     with open(curves, newline="", encoding="utf-8") as file:
@@ -49,11 +49,11 @@ def read_kept(curves, table):
 
 
 class Trajectory(Curves):
-    """The drag of a run that lies in a folder."""
+    """The drag of a run whose output folder is there."""
 
     def __init__(self, folder):
         self.run = Run(folder)
-        rows = self.run.body_history()
+        rows = self.run.bodies()
         drag = rows["stage"] == DRAG_STAGE
         self.surface = rows["body1_position_z"][rows["stage"] == DRAG_STAGE - 1][0] - PALMS  # of the settled soil, m
         column = {name: values[drag] for name, values in rows.items()}
@@ -66,10 +66,10 @@ class Trajectory(Curves):
         self.tip_depth = self.centre_depth - (TIP - FLUKE_CENTRE) * np.sin(np.radians(self.fluke_angle))
         self.line_force = HALVES * column["body3_reaction force_x"]
         self.hinge_gap = self._hinge_gap(column)
-        self.finished = self.run.summary().get("status") == "finished"
+        self.finished = self.run.is_finished
 
     def _hinge_gap(self, column):
-        """Distance between the pivot on the fluke and the pivot on the shank: what the hinge's springs give."""
+        """Distance between the pivot on the fluke and the pivot on the shank, by which the hinge's springs yield, m."""
         def pivot(body, centre):
             angle = column[f"body{body}_rotation_y"]
             return np.array([column[f"body{body}_position_x"] + (PIVOT - centre) * np.cos(angle),
@@ -78,8 +78,8 @@ class Trajectory(Curves):
 
     @property
     def record(self):
-        """Of the table of runs, but for the mesh: the end of the drag and what it cost."""
-        summary = self.run.summary()
+        """Line of the table of runs without the mesh: the end of the drag and its cost."""
+        summary = self.run.summary
         stages = summary.get("stages", [])
         drag = stages[-1] if len(stages) == 3 else {}
         return {"dragged / m": f"{self.distance[-1]:.2f}", "finished": self.finished,

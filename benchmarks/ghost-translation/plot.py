@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the condition numbers of a translated block over its offset: plot.py conditions.csv conditions.png"""
+"""Draws the condition numbers of a moved block over its offset. Usage: plot.py conditions.csv conditions.png"""
 import csv
 import sys
 
@@ -24,7 +24,7 @@ def read_curves(name):
 
 
 def draw_panel(axes, curves, dimension, mesh, matrix):
-    """One matrix on one mesh: GIMP for all factors, the standard MPM without stabilisation."""
+    """Draws one matrix on one mesh: GIMP for all factors, the standard MPM without stabilisation."""
     for factor, colour in zip(SHOWN[matrix], COLOURS):
         label = "GIMP, no stabilisation" if factor == "0" else f"GIMP, {float(factor):.2g}"
         axes.semilogy(*zip(*curves[dimension, mesh, "gimp", matrix, factor]), color=colour, linewidth=1, label=label)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws chart.png from table.csv and curves.csv: plot.py FOLDER"""
+"""Draws chart.png from table.csv and curves.csv. Usage: plot.py FOLDER"""
 import csv
 import pathlib
 import sys
@@ -16,7 +16,7 @@ def read(path):
 
 
 def draw_curves(axes, soil, rows, points):
-    """Resistance over displacement, the reference in black."""
+    """Draws resistance over displacement, the reference in black."""
     for number, row in enumerate(rows):
         curve = [point for point in points if (point["soil"], point["mesh"]) == (soil, row["mesh"])]
         axes.plot([0.] + [1e3 * float(point["displacement / m"]) for point in curve],
@@ -29,7 +29,7 @@ def draw_curves(axes, soil, rows, points):
 
 
 def draw(folder):
-    """Resistance over displacement by soil, and speed over difference, of all meshes in the folder's tables."""
+    """Draws resistance over displacement by soil, and speed over difference, of all meshes in the folder's tables."""
     table, points = read(folder / "table.csv"), read(folder / "curves.csv")
     soils = list(dict.fromkeys(row["soil"] for row in table))
     figure, panels = plt.subplots(1, len(soils) + 1, figsize=(17, 4.2))

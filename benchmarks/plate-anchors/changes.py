@@ -1,18 +1,18 @@
-"""What single changes of a scene do to the resistance of several shapes: table and chart."""
+"""The effect of single changes of a scene on the resistance of several shapes: table and chart."""
 import matplotlib.pyplot as plt
 import numpy as np
 
 
 class Changes:
-    """Mean resistance (Pa) over the last 10 mm of the way that all the results went, by shape and change; the first result of
-    a shape is its unchanged scene."""
+    """Mean resistance (Pa) by shape and change, over the last 10 mm of the distance that all results have in common.
+    The first result of a shape is its unchanged scene."""
 
     def __init__(self, results, label):
-        self.way = min(result.case.distance for result in results)
+        self.distance = min(result.case.distance for result in results)
         self.shapes = list(dict.fromkeys(result.case.shape for result in results))
         self.unchanged, self._changed = {}, {}
         for result in results:
-            case, value = result.case, result.mean_up_to(self.way)
+            case, value = result.case, result.mean_up_to(self.distance)
             if case.shape not in self.unchanged:
                 self.unchanged[case.shape] = value
             else:
@@ -20,7 +20,7 @@ class Changes:
         self.labels = list(dict.fromkeys(change for _, change in self._changed))
 
     def difference(self, shape, change):
-        """A share of the unchanged resistance; None where there is no such run."""
+        """Change over the unchanged resistance; None where there is no such run."""
         value = self._changed.get((shape, change))
         return value and value / self.unchanged[shape] - 1.
 
@@ -35,7 +35,7 @@ def rows(changes):
 
 
 def draw(changes, path):
-    """A group of bars per change, the first on top."""
+    """Draws a group of bars per change, the first on top."""
     figure, axes = plt.subplots(figsize=(8, 0.8 + 0.45 * len(changes.labels)), layout="constrained")
     height = 0.8 / len(changes.shapes)
     at = np.arange(len(changes.labels))

@@ -3,18 +3,19 @@ import matplotlib.pyplot as plt
 
 
 class Limits:
-    """Mean resistance (Pa) over the last 10 mm of the way that all the results went, by parameter and shape."""
+    """Mean resistance (Pa) by parameter and shape, over the last 10 mm of the distance that all results have in
+    common."""
 
     def __init__(self, results, of):
-        self.way = min(result.case.distance for result in results)
+        self.distance = min(result.case.distance for result in results)
         self.shapes = list(dict.fromkeys(result.case.shape for result in results))
         self.parameters = sorted({of(result.case) for result in results})
         self._results = {(of(result.case), result.case.shape): result for result in results}
 
     def at(self, parameter, shape):
-        """None where there is no such run."""
+        """Resistance of one run, Pa; None where there is no such run."""
         result = self._results.get((parameter, shape))
-        return result and result.mean_up_to(self.way)
+        return result and result.mean_up_to(self.distance)
 
     def curve(self, shape):
         """Parameters and resistances of the runs that are there."""
@@ -22,14 +23,15 @@ class Limits:
         return tuple(zip(*(pair for pair in pairs if pair[1] is not None)))
 
     def wall_time(self, parameter):
-        """Of all shapes, s."""
+        """Wall time of all shapes, s."""
         return sum(result.record["wall time"] for (other, _), result in self._results.items() if other == parameter)
 
 
 def rows(limits):
     """Head and rows of a table: resistances, their ratios to the first shape's, and what they cost."""
     first, *others = limits.shapes
-    head = [*(f"{shape} / kPa" for shape in limits.shapes), *(f"{shape} over {first}" for shape in others), "wall time / s"]
+    head = [*(f"{shape} / kPa" for shape in limits.shapes), *(f"{shape} over {first}" for shape in others),
+            "wall time / s"]
     lines = []
     for parameter in limits.parameters:
         values = [limits.at(parameter, shape) for shape in limits.shapes]
@@ -40,7 +42,7 @@ def rows(limits):
 
 
 def draw(limits, label, path):
-    """A line per shape."""
+    """Draws a line per shape."""
     figure, axes = plt.subplots(figsize=(7, 4.4))
     for shape in limits.shapes:
         parameters, values = limits.curve(shape)

@@ -7,24 +7,26 @@ from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
 WINDOW = {"z": (0.2, 0.9, 0., 0.2), "y": (0.2, 0.9, 0., 0.36)}  # m
-LONGEST_EDGE = 0.05  # m, of the triangles between material points that a contour line may cross
-SMOOTHED = 0.015  # m: stresses of points oscillate from one to the next, their means over this radius do not
+LONGEST_EDGE = 0.05  # m: contour lines cross only triangles between material points with shorter edges
+SMOOTHED = 0.015  # m: stresses oscillate from one point to the next, their means over this radius do not
+# Field, label, factor from SI, contour line, limits of the colours, planes, radius of means (m).
 KINDS = {"stress": ("stress_xx", "−σxx (compression) / kPa", -1e-3, 5., (0., 40.), "z", SMOOTHED),
          "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy", 0.)}
 
 
 def draw_sections(runs, kind, path):
-    """One row per (case, run), one column per section."""
+    """Draws one row per (case, run) and one column per section."""
     field, label, factor, line, limits, planes, radius = KINDS[kind]
     shape = (len(runs), 1) if len(planes) > 1 else ((len(runs) + 1) // 2, 2)
     columns = len(planes) * shape[1]
-    figure, axes = plt.subplots(shape[0], columns, figsize=(5.2 * columns, 2.2 * shape[0] * (1.2 if len(planes) > 1 else 1.)),
-                                squeeze=False, layout="constrained")
+    height = 2.2 * shape[0] * (1.2 if len(planes) > 1 else 1.)
+    figure, axes = plt.subplots(shape[0], columns, figsize=(5.2 * columns, height), squeeze=False, layout="constrained")
     for place, (case, run) in zip(axes.reshape(-1, len(planes)), runs):
         grids, step = run.soil()
         for panel, plane in zip(place, planes):
             at = case.height if plane == "z" else 0.
-            boxes = _draw(panel, cut(grids, run.surface(step), plane, at, field), factor, line, limits, WINDOW[plane], radius)
+            section = cut(grids, run.surface(step), plane, at, field)
+            boxes = _draw(panel, section, factor, line, limits, WINDOW[plane], radius)
             panel.set_title(f"{case.shape}, {plane} = {at:g} m", fontsize=9)
     for panel in axes.flat[len(runs) * len(planes):]:
         panel.set_axis_off()
@@ -41,7 +43,8 @@ def _draw(axes, section, factor, line, limits, window, radius):
     edges = centre[triangles.triangles] - np.roll(centre[triangles.triangles], 1, axis=1)
     triangles.set_mask(np.linalg.norm(edges, axis=2).max(axis=1) > LONGEST_EDGE)
     axes.tricontour(triangles, factor * _mean_within(radius, centre, section.values), [line], colors="r", linewidths=1.)
-    axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel=f"{section.axes[0]} / m", ylabel=f"{section.axes[1]} / m")
+    axes.set(xlim=window[:2], ylim=window[2:], aspect="equal", xlabel=f"{section.axes[0]} / m",
+             ylabel=f"{section.axes[1]} / m")
     return boxes
 
 

@@ -1,5 +1,6 @@
-"""Figures from the output folder of a Kedge run: resistance over displacement and sections through the soil."""
+"""Figures of a Kedge run: resistance over displacement and sections through the soil."""
+from kedge_runs import RunError
 
 
-class PlotError(Exception):
-    """Something the user can mend: a missing file, an unknown field. The message says what and where."""
+class PlotError(RunError):
+    """A run does not hold what a figure needs, such as a field. The message says what is missing and where."""

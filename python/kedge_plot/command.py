@@ -5,9 +5,11 @@ import sys
 
 import numpy as np
 
+from kedge_runs import RunError
+from kedge_runs.run import Run
+
 from . import PlotError
 from .resistance import fit_hyperbola, resistance_curve
-from .run import Run
 from .section import cut
 
 
@@ -15,34 +17,39 @@ def parser():
     """The options."""
     options = argparse.ArgumentParser(
         prog="kedge-plot",
-        description="Draws the results of a Kedge run: resistance over displacement and a section through the soil. "
-                    "Draws whatever the folder holds unless --resistance or --section asks for one.")
+        description="Draws the results of a Kedge run as PNG files: the resistance of a body over its displacement "
+                    "and a section through the soil. Without --resistance or --section it draws what the folder holds.",
+        epilog="Example: kedge-plot cube-output --section --field stress_zz --mesh")
     options.add_argument("folder", metavar="DIR", help="output folder of the run")
-    options.add_argument("--output", metavar="DIR", help="where the PNG files go (default: DIR/plots)")
-    options.add_argument("--resistance", action="store_true", help="draw the resistance only")
-    options.add_argument("--section", action="store_true", help="draw the section only")
+    options.add_argument("--output", metavar="DIR", help="folder for the PNG files (default: DIR/plots)")
+    options.add_argument("--resistance", action="store_true", help="draw only the resistance")
+    options.add_argument("--section", action="store_true", help="draw only the section")
 
     curve = options.add_argument_group("resistance")
     curve.add_argument("--body", type=int, default=1, help="number of the rigid point, from 1 (default: 1)")
-    curve.add_argument("--axis", choices="xyz", help="default: the one along which it moves most")
-    curve.add_argument("--stage", type=int, help="rows of this stage only, from 1 (default: all)")
-    curve.add_argument("--area", type=float, help="projected area [m2]: draw pressure instead of force")
-    curve.add_argument("--factor", type=float, default=1., help="multiplies the force: 2 for a half model")
-    curve.add_argument("--zero", action="store_true", help="count the force from its first value")
-    curve.add_argument("--fit", action="store_true", help="fit q = d / (a + b d) and print its asymptote")
+    curve.add_argument("--axis", choices="xyz",
+                       help="axis of force and displacement (default: the one along which the body moves most)")
+    curve.add_argument("--stage", type=int, help="draw only this stage, from 1 (default: all)")
+    curve.add_argument("--area", type=float, help="projected area [m2]: draw the pressure instead of the force")
+    curve.add_argument("--factor", type=float, default=1.,
+                       help="factor on the force, such as 2 for a half model (default: 1)")
+    curve.add_argument("--zero", action="store_true", help="subtract the first value of the force")
+    curve.add_argument("--fit", action="store_true", help="fit the hyperbola q = d / (a + b d) and print its asymptote")
 
     section = options.add_argument_group("section")
-    section.add_argument("--plane", choices="xyz", default="y", help="axis across the section (default: y)")
-    section.add_argument("--at", type=float, default=0., help="position of the section along it [m] (default: 0)")
+    section.add_argument("--plane", choices="xyz", default="y", help="axis normal to the section (default: y)")
+    section.add_argument("--at", type=float, default=0.,
+                         help="position of the section along that axis [m] (default: 0)")
     section.add_argument("--field", default="displacement magnitude",
-                         help="such as stress_xx, mean stress, volume (default: displacement magnitude)")
-    section.add_argument("--step", type=int, help="number in the file's name (default: the last)")
-    section.add_argument("--limits", type=float, nargs=2, metavar=("MIN", "MAX"), help="of the colours, in drawn units")
+                         help="what to draw, such as stress_xx, mean stress, volume (default: displacement magnitude)")
+    section.add_argument("--step", type=int, help="number in the names of the files (default: the last)")
+    section.add_argument("--limits", type=float, nargs=2, metavar=("MIN", "MAX"),
+                         help="range of the colours, in drawn units")
     section.add_argument("--window", type=float, nargs=4, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"),
-                         help="part of the plane to show [m]")
-    section.add_argument("--mesh", action="store_true", help="draw the cells, too")
+                         help="part of the plane to draw [m]")
+    section.add_argument("--mesh", action="store_true", help="draw the cells of the mesh, too")
     section.add_argument("--area-above", type=float, metavar="VALUE",
-                         help="print the area where the field exceeds VALUE (SI), on either side of the body's middle")
+                         help="print the area where the field exceeds VALUE (SI), before and beyond the body's middle")
     return options
 
 
@@ -61,18 +68,18 @@ def main(arguments=None):
         drawn = [_attempt(plot, both, run, target, options, caption)
                  for plot, asked in ((_plot_resistance, options.resistance), (_plot_section, options.section))
                  if asked or both]
-    except PlotError as error:
+    except RunError as error:
         print(f"kedge-plot: {error}", file=sys.stderr)
         return 1
     return 0 if any(drawn) else 1
 
 
 def _attempt(plot, may_fail, run, target, options, caption):
-    """Draws one figure. Where nothing was asked for by name, what the folder does not hold is only mentioned."""
+    """Draws one figure. If it may fail, only prints what the folder lacks."""
     try:
         print(plot(run, target, options, caption))
         return True
-    except PlotError as error:
+    except RunError as error:
         if not may_fail:
             raise
         print(f"kedge-plot: {error}", file=sys.stderr)
@@ -81,18 +88,18 @@ def _attempt(plot, may_fail, run, target, options, caption):
 
 def _caption(run):
     """Version and input of the run, for the figure's corner."""
-    summary = run.summary()
+    summary = run.summary
     parts = [f"Kedge {summary['version']}"] if summary.get("version") else []
     parts += [pathlib.Path(summary["input"]).name] if summary.get("input") else []
     return ", ".join(parts)
 
 
 def _plot_resistance(run, target, options, caption):
-    from .figures import draw_resistance  # matplotlib takes a second to load: only where something is drawn
+    from .figures import draw_resistance  # loaded only here: matplotlib takes a second
 
     if options.area is not None and not options.area > 0.:
-        raise PlotError(f"--area {options.area:g}: an area is positive")
-    curve = resistance_curve(run.body_history(), options.body, options.axis, options.stage, options.factor,
+        raise PlotError(f"--area {options.area:g}: the area must be positive")
+    curve = resistance_curve(run.bodies(), options.body, options.axis, options.stage, options.factor,
                              options.zero, run.start_of(options.body))
     fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
     path = target / f"resistance_body{options.body}_{curve.axis}.png"
@@ -133,5 +140,5 @@ def _area_above(section, threshold):
         before = np.sum(areas[above & (centres < middle)])
         beyond = np.sum(areas[above & (centres >= middle)])
         axis = section.axes[0]
-        text += f", of it {before:.6g} at {axis} < {middle:.4g} m and {beyond:.6g} at {axis} > {middle:.4g} m"
+        text += f": {before:.6g} at {axis} < {middle:.4g} m and {beyond:.6g} at {axis} > {middle:.4g} m"
     return text

@@ -3,7 +3,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 
-import matplotlib.pyplot as plt  # noqa: E402  (the back end must be chosen first)
+import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the back end)
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
 from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
@@ -21,7 +21,7 @@ _UNITS = {"stress": ("kPa", 1e-3), "mean stress": ("kPa", 1e-3), "deviatoric str
 
 
 def unit_of(field):
-    """Unit in which a field is drawn and the factor from SI; none for numbers without a dimension."""
+    """Unit in which a figure draws a field, and its factor from SI; an empty unit for numbers without dimension."""
     for name in sorted(_UNITS, key=len, reverse=True):
         if field.startswith(name):
             return _UNITS[name]
@@ -29,7 +29,7 @@ def unit_of(field):
 
 
 def draw_resistance(curve, path, area=None, fit=None, caption=""):
-    """Force (kN) or, given an area (m2), pressure (kPa) over displacement (mm), with the fitted hyperbola if any."""
+    """Draws force (kN) or, with an area (m2), pressure (kPa) over displacement (mm), and the hyperbola if any."""
     scale, name, unit = (1e-3 / area, "Resistance", "kPa") if area else (1e-3, "Reaction force", "kN")
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(figsize=(4.5, 3.2), layout="constrained")
@@ -53,8 +53,8 @@ def draw_resistance(curve, path, area=None, fit=None, caption=""):
 
 
 def draw_section(section, path, field, title="", limits=None, window=None, caption=""):
-    """Coloured rectangles with the bodies' outline. limits: of the colours, in the drawn unit; window: part of the
-    plane (left, right, bottom, top) in m."""
+    """Draws coloured rectangles with the bodies' outline. limits: range of the colours, in the drawn unit; window: part
+    of the plane (left, right, bottom, top), m."""
     unit, factor = unit_of(field)
     left, right, bottom, top = window or _extent(section)
     with plt.rc_context(_STYLE):
@@ -75,17 +75,18 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
 
 
 def add_soil(axes, section, factor, limits=None):
-    """Draws the section's rectangles over their backdrop, and both over triangles that fill the cracks between them; returns the
-    collection that a colour bar needs."""
+    """Draws the section's rectangles over their backdrop, and both over triangles that fill the cracks between them.
+    Returns the collection that a colour bar needs."""
     drawn = []
-    lower, upper, values = (np.concatenate([getattr(section.backdrop, name), getattr(section, name)]) for name in ("lower", "upper", "values"))
+    lower, upper, values = (np.concatenate([getattr(section.backdrop, name), getattr(section, name)])
+                            for name in ("lower", "upper", "values"))
     triangles = triangles_between(lower, upper, section.outline)
     if triangles is not None and not triangles.mask.all():
         drawn.append(axes.tripcolor(triangles, factor * values, shading="gouraud", cmap="viridis", rasterized=True))
     for boxes in (section.backdrop, section):
-        # Without lines and smoothing no background shines through between boxes that touch.
-        drawn.append(PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap="viridis",
-                                    linewidths=0., antialiased=False, rasterized=True))
+        # Lines or smoothing would let the background show between boxes that touch.
+        drawn.append(PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values,
+                                    cmap="viridis", linewidths=0., antialiased=False, rasterized=True))
         axes.add_collection(drawn[-1])
     if limits is None:
         limits = factor * section.values.min(), factor * section.values.max()
@@ -101,7 +102,7 @@ def rectangle_corners(low, high):
 
 
 def _extent(section):
-    """All rectangles and outlines with a small margin."""
+    """Bounds of all rectangles and outlines with a small margin."""
     points = np.concatenate([section.lower, section.upper, section.outline.reshape(-1, 2)])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.02 * (high - low).max()

@@ -2,12 +2,12 @@
 import numpy as np
 from matplotlib.tri import Triangulation
 
-LONGEST = 1.  # edge over the sum of the diagonals of the boxes at its ends: soil that parted farther is a void
+LONGEST = 1.  # edge over the sum of the diagonals of the boxes at its ends; a larger gap is a void
 
 
 def triangles_between(lower, upper, outline):
-    """Delaunay's triangles between the centres of boxes (n, 2) with edges that neither part from their boxes nor cross a body's outline
-    (segments, 2 ends, 2 coordinates). None where the centres span no area."""
+    """Delaunay's triangles between the centres of boxes (n, 2), without those that span a void or cross a body's
+    outline (segments, 2 ends, 2 coordinates). None if the centres span no area."""
     centre, diagonal = (lower + upper) / 2., np.linalg.norm(upper - lower, axis=1)
     try:
         triangulation = Triangulation(*centre.T)
@@ -24,7 +24,7 @@ def triangles_between(lower, upper, outline):
 
 
 def _keys(edges, n):
-    """One number per edge (..., 2), whichever way it runs."""
+    """One number per edge (..., 2), the same for both directions."""
     return edges.min(axis=-1).astype(np.int64) * n + edges.max(axis=-1)
 
 
@@ -32,7 +32,8 @@ def _cross(segments, others):
     """Whether each segment (n, 2, 2) crosses one of the others (m, 2, 2)."""
     crossed = np.zeros(len(segments), dtype=bool)
     for other in others:
-        near = ((segments.max(axis=1) >= other.min(axis=0)) & (segments.min(axis=1) <= other.max(axis=0))).all(axis=1) & ~crossed
+        near = (segments.max(axis=1) >= other.min(axis=0)) & (segments.min(axis=1) <= other.max(axis=0))
+        near = near.all(axis=1) & ~crossed
         a, b = segments[near, 0], segments[near, 1]
         crossed[near] = (_side(a, b, other[0]) != _side(a, b, other[1])) & (_side(*other, a) != _side(*other, b))
     return crossed

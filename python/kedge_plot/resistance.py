@@ -1,4 +1,4 @@
-"""Resistance of a body over its displacement, and the hyperbola through it."""
+"""Resistance of a body over its displacement, and a fitted hyperbola."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,8 @@ from . import PlotError
 
 @dataclass
 class Curve:
-    """Displacement (m) and resistance (N) along one axis, both positive where the body is pulled along its motion."""
+    """Displacement (m) and resistance (N) along one axis; the resistance of a body that is pulled along its motion is
+    positive."""
     displacement: np.ndarray
     force: np.ndarray
     axis: str
@@ -18,9 +19,10 @@ class Curve:
 def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=False, start=None):
     """The curve from the columns of rigid_body.csv.
 
-    axis: x, y or z; default: the one along which the body moves most. stage: its rows only (default: all), where the
-    displacement counts from the end of the stage before. factor: 2 for a half model. zero: count the force from its
-    first value. start: where the body was before the first row; default: at the first row.
+    axis: x, y or z; default: the one along which the body moves most. stage: take only the rows of this stage
+    (default: all); the displacement then counts from the end of the stage before. factor: 2 for a half model. zero:
+    subtract the first value of the force. start: position of the body before the first row, m; default: that of the
+    first row.
     """
     def column(field, axis):
         name = f"body{body}_{field}_{axis}"
@@ -51,7 +53,7 @@ def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=Fal
 
 @dataclass
 class Hyperbola:
-    """q = d / (1/stiffness + d/limit), with standard errors; limit is the horizontal asymptote."""
+    """q = d / (1/stiffness + d/limit) with standard errors; the limit is the horizontal asymptote."""
     limit: float
     limit_error: float
     stiffness: float
@@ -61,15 +63,15 @@ class Hyperbola:
         return displacement / (1. / self.stiffness + displacement / self.limit)
 
     def displacement_at(self, share):
-        """Where a share of the limit is reached."""
+        """Displacement that reaches a share of the limit."""
         return share / (1. - share) * self.limit / self.stiffness
 
 
 def fit_hyperbola(displacement, resistance):
     """Least squares of q = d / (a + b d) in q itself (Kondner 1963; Das & Seeley 1975 for anchors).
 
-    The usual straight line through d/q only starts it: dividing by q would weigh the first, smallest values most. The
-    standard errors take the residuals as independent, so they are a lower bound for a curve with waves.
+    The usual straight line through d/q is only the first guess: dividing by q would give the first, smallest values the
+    largest weight. The standard errors assume independent residuals, so they are a lower bound for a curve with waves.
     """
     used = (displacement > 0.) & (resistance > 0.)
     d, q = displacement[used], resistance[used]
@@ -77,7 +79,7 @@ def fit_hyperbola(displacement, resistance):
         raise PlotError(f"a hyperbola needs three points with positive displacement and resistance, not {len(d)}")
     b, a = np.polyfit(d, d / q, 1)
     if b <= 0.:
-        b = 0.5 / q.max()  # a curve that still grows along a straight line: start well above it
+        b = 0.5 / q.max()  # a curve that still grows like a straight line: start well above it
     a = max(a, 1e-3 * (d / q).max())
 
     def residual_and_slope(parameters):

@@ -11,8 +11,8 @@ _COMPONENTS = {3: ["x", "y", "z"], 6: ["xx", "yy", "zz", "xy", "yz", "xz"], 9: [
 
 @dataclass
 class Backdrop:
-    """Rectangles that the plane misses by less than their own width, the nearest last, and a value for each. Boxes keep their size
-    where the soil stretches: drawn first, these show that there is soil in the cracks between two rows of boxes."""
+    """Rectangles that the plane misses by less than their own width, the nearest last, and a value for each. Boxes keep
+    their size where the soil stretches; the backdrop, drawn first, shows the soil in the cracks between two rows."""
     lower: np.ndarray
     upper: np.ndarray
     values: np.ndarray
@@ -36,8 +36,8 @@ class Section:
 
 
 def cut(grids, surface, plane, at, field, mesh=None):
-    """Cuts boxes, surfaces and the mesh, if given, by the plane where the coordinate `plane` (x, y or z) has the value
-    `at` (m)."""
+    """Cuts boxes, surfaces and the mesh, if there is one, by the plane where the coordinate `plane` (x, y or z) has the
+    value `at` (m)."""
     normal = "xyz".index(plane)
     kept = [i for i in range(3) if i != normal]
     lower, upper, values, missed = [], [], [], []
@@ -71,7 +71,7 @@ def _cells(mesh, normal, at):
 
 
 def _boxes(grid):
-    """Lower and upper corners of all cells, which are boxes or, in plane strain, rectangles."""
+    """Lower and upper corners of all cells, which are boxes (in plane strain rectangles)."""
     cells = grid.cells(_HEXAHEDRON)
     if cells.size == 0:
         cells = grid.cells(_QUAD)
@@ -82,27 +82,27 @@ def _boxes(grid):
 
 
 def _crossing(boxes, normal, at):
-    """Boxes that the plane meets. A plane between two boxes takes the one above it, at the upper end the one below."""
+    """Whether the plane meets each box. Of two boxes that touch in the plane, only the upper one counts."""
     low, high = boxes[0][:, normal], boxes[1][:, normal]
     if len(low) == 0:
         return np.zeros(0, dtype=bool)
     if (high == low).all():  # plane strain
         return abs(low - at) <= 1e-9
-    # On a plane of symmetry boxes start with a face in the plane and drift off it a little: look just inside them.
+    # On a plane of symmetry, boxes start with a face in the plane and drift a little: look just inside them.
     tolerance = 0.25 * (high - low)
     above = (low <= at + tolerance) & (high > at + tolerance)
     return above if above.any() else (low < at) & (high >= at - tolerance)
 
 
 def _outline(surface, normal, at):
-    """Segments in which triangles meet the plane; the lines themselves in plane strain."""
+    """Segments where triangles meet the plane; in plane strain the lines themselves."""
     lines, triangles = surface.cells(_LINE), surface.cells(_TRIANGLE)
     if triangles.size == 0:
         return surface.points[lines] if lines.size else np.empty((0, 2, 3))
     corners = surface.points[triangles]
     size = np.ptp(surface.points, axis=0).max()
     height = corners[:, :, normal] - at
-    # A vertex in the plane counts as above it: every triangle then has two crossed sides or none.
+    # A vertex in the plane counts as above it, so every triangle has two crossed sides or none.
     above = height >= -1e-12 * size
     corners, height, above = (array[above.any(axis=1) & ~above.all(axis=1)] for array in (corners, height, above))
     lone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))

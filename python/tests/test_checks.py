@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the style checks: each finds the fault that it is there for, and nothing in a good example."""
+"""Tests of the checks: each finds its fault, and nothing in a good example."""
 import pathlib
 import subprocess
 import sys
@@ -62,32 +62,46 @@ class Format(CheckCase):
         self.write("source/a.cc", "int   main(){return 0;}\n")
         self.assert_finds("check-format", "source/a.cc:1:")
 
-    def test_fix_mends_it(self):
+    def test_fix_corrects_it(self):
         self.write("include/a.h", "int   f(  );\n")
         self.assert_passes("check-format", "--fix")
         self.assertEqual((self.root / "include/a.h").read_text(encoding="utf-8"), "int f();\n")
 
 
 class Floors(CheckCase):
-    def test_accepts_lower_rooms_and_the_own_room(self):
-        self.write("source/contact/a.cc", "#include \"b.h\"\n#include <kedge/contact/b.h>\n#include <kedge/basis/c.h>\n")
-        self.write("source/main.cc", "#include <kedge/simulation/a.h>\n")
+    def setUp(self):
+        super().setUp()
+        self.write("CMakeLists.txt", "kedge_room(base LINKS fmt::fmt)\n"
+                   "kedge_room(mesh ROOMS base LINKS deal.II)  # not kedge_room(attic)\n"
+                   "kedge_room(bodies ROOMS base)\n"
+                   "kedge_room(\n  contact\n  ROOMS base mesh\n  HEADERS_OF bodies\n  PRIVATE_LINKS output)\n")
+
+    def test_accepts_named_rooms_and_the_own_room(self):
+        self.write("source/contact/a.cc", "#include \"b.h\"\n#include <kedge/contact/b.h>\n#include <kedge/mesh/c.h>\n"
+                   "#include <kedge/bodies/d.h>\n")
+        self.write("source/main.cc", "#include <kedge/contact/a.h>\n")
         self.assert_passes("check-floors")
 
-    def test_finds_a_higher_room(self):
-        self.write("include/kedge/solvers/a.h", "#pragma once\n#include <kedge/materials/b.h>\n")
-        self.assert_finds("check-floors", "include/kedge/solvers/a.h:2: solvers (floor 2)", "floor 3")
+    def test_finds_rooms_that_are_not_named(self):
+        self.write("include/kedge/mesh/a.h", "#pragma once\n#  include <kedge/bodies/b.h>\n")
+        self.assert_finds("check-floors", "include/kedge/mesh/a.h:2: mesh includes <kedge/bodies/b.h>, "
+                          "but kedge_room(mesh ...) in CMakeLists.txt does not name bodies")
 
-    def test_finds_a_neighbour_on_the_same_floor(self):
-        self.write("source/mesh/a.cc", "#  include <kedge/bodies/b.h>\n")
-        self.assert_finds("check-floors", "source/mesh/a.cc:1: mesh (floor 3)")
-
-    def test_finds_rooms_without_a_floor(self):
+    def test_finds_rooms_that_are_not_declared(self):
         self.write("source/attic/a.cc", "\n")
-        self.write("source/basis/a.cc", "#include <kedge/attic/b.h>\n")
-        self.assert_finds("check-floors", "the room attic has no floor", "<kedge/attic/b.h> is in no known room")
+        self.write("source/mesh/a.cc", "#include <kedge/attic/b.h>\n")
+        self.assert_finds("check-floors", "the room attic is not declared", "<kedge/attic/b.h> is in no known room")
 
-    def test_finds_a_way_around_by_relative_paths(self):
+    def test_finds_lists_that_name_no_room(self):
+        self.write("CMakeLists.txt", "kedge_room(base ROOMS attic)\n")
+        self.assert_finds("check-floors", "kedge_room(base ...) names attic, which is no room")
+
+    def test_finds_rooms_that_include_each_other(self):
+        self.write("CMakeLists.txt", "kedge_room(base)\nkedge_room(mesh ROOMS base bodies)\n"
+                   "kedge_room(bodies ROOMS contact)\nkedge_room(contact ROOMS mesh)\n")
+        self.assert_finds("check-floors", "these rooms include each other: bodies, contact, mesh")
+
+    def test_finds_relative_paths_into_other_rooms(self):
         self.write("source/base/a.cc", "#include \"../output/b.h\"\n")
         self.assert_finds("check-floors", "leaves its folder")
 
@@ -114,8 +128,8 @@ class Core(CheckCase):
         self.write("include/kedge/basis/b.h", "#include <kedge/mesh/c.h>\n")
         self.write("include/kedge/mesh/c.h", "\n#include <deal.II/grid/tria.h>\n")
         self.assert_finds("check-core", "source/assembly/a.cc:1: the core reaches deal.II/grid/tria.h, "
-                          "by way of source/assembly/local.h:1, by way of include/kedge/basis/b.h:1, "
-                          "by way of include/kedge/mesh/c.h:2")
+                          "through source/assembly/local.h:1, through include/kedge/basis/b.h:1, "
+                          "through include/kedge/mesh/c.h:2")
 
     def test_headers_that_include_each_other_come_to_an_end(self):
         self.write("include/kedge/materials/a.h", "#include <kedge/materials/b.h>\n")
@@ -129,16 +143,44 @@ class Core(CheckCase):
 
 
 class Lengths(CheckCase):
-    def test_counts_sources_and_scripts_only(self):
-        self.write("source/a.cc", 450 * "\n")
+    def test_counts_lines_of_sources_and_scripts_only(self):
+        self.write("source/a.cc", 400 * "\n")
         self.write("doc/a.md", 1000 * "\n")
         self.write("LICENSE", 1000 * "\n")
         self.assert_passes("check-lengths")
 
     def test_finds_long_files(self):
-        self.write("source/a.cc", 451 * "\n")
+        self.write("source/a.cc", 401 * "\n")
         self.write("scripts/a", "#!/bin/bash\n" + 500 * "\n")
-        self.assert_finds("check-lengths", "source/a.cc: 451 lines", "scripts/a: 501 lines")
+        self.assert_finds("check-lengths", "source/a.cc: 401 lines", "scripts/a: 501 lines")
+
+    def test_counts_characters_not_bytes(self):
+        self.write("a.py", f"# {118 * 'β'}\n")
+        self.assert_passes("check-lengths")
+
+    def test_finds_wide_lines(self):
+        wide = 30 * "word "
+        for name in ("a.py", "CMakeLists.txt", "a.cmake", "a.md", "b"):
+            with self.subTest(name):
+                self.write(name, f"#!/bin/sh\n# {wide}\n")
+                self.assert_finds("check-lengths", f"{name}:2: 152 characters; break the line")
+                (self.root / name).unlink()
+
+    def test_leaves_wide_lines_of_other_files_alone(self):
+        for name in ("a.cc", "a.json", "LICENSE"):
+            self.write(name, 200 * "word ")
+        self.assert_passes("check-lengths")
+
+    def test_accepts_wide_lines_of_markdown_that_cannot_be_broken(self):
+        word, words = 130 * "x", 30 * "word "
+        self.write("a.md", f"| {words} |\n- [{words}]({word})\n![{words}](a.png)\nhttps://{word}\n"
+                   f"```sh\n{words}\n```\n")
+        self.assert_passes("check-lengths")
+
+    def test_finds_wide_text_of_markdown_beside_links_and_code(self):
+        words = 30 * "word "
+        self.write("a.md", f"see [{words}](a.png)\n```sh\n```\n{words}\n")
+        self.assert_finds("check-lengths", "a.md:1:", "a.md:4:", "2 findings")
 
 
 if __name__ == "__main__":

@@ -17,11 +17,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 
 from kedge_plot import PlotError  # noqa: E402
 from kedge_plot.command import main  # noqa: E402
+from kedge_plot.filling import triangles_between  # noqa: E402
 from kedge_plot.resistance import fit_hyperbola, resistance_curve  # noqa: E402
-from kedge_plot.run import Run, read_columns  # noqa: E402
-from kedge_plot.filling import triangles_between
 from kedge_plot.section import cut, evaluate  # noqa: E402
-from kedge_plot.vtu import read_grid  # noqa: E402
+from kedge_runs import RunError  # noqa: E402
+from kedge_runs.run import Run  # noqa: E402
+from kedge_runs.vtu import read_grid  # noqa: E402
 
 _NAMES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 
@@ -34,7 +35,7 @@ class VtuWriter:
         self.appended = b""
 
     def encoded(self, values):
-        """Header and data as VTK lays them out, in base64 unless raw."""
+        """Header and data in VTK's layout, in base64 unless raw."""
         word = self.order + ("Q" if self.header == "UInt64" else "I")
         data = values.astype(values.dtype.newbyteorder(self.order)).tobytes()
         if not self.zipped:
@@ -174,11 +175,11 @@ class Reader(TemporaryFolder):
         path = self.folder / "grid.vtu"
         VtuWriter("raw").write(path, points, cells, 12, {"corner": lower})
         path.write_bytes(path.read_bytes()[:-400])
-        with self.assertRaisesRegex(PlotError, "grid.vtu: damaged"):
+        with self.assertRaisesRegex(RunError, "grid.vtu: damaged"):
             read_grid(path)
 
     def test_missing_file_is_named(self):
-        with self.assertRaisesRegex(PlotError, "nowhere.vtu: cannot be read"):
+        with self.assertRaisesRegex(RunError, "nowhere.vtu: cannot be read"):
             read_grid(self.folder / "nowhere.vtu")
 
 
@@ -248,7 +249,7 @@ class ResistanceCurve(TemporaryFolder):
 
     def test_row_cut_off_while_written_is_left_out(self):
         write_run(self.folder)
-        self.assertEqual(len(read_columns(self.folder / "csv" / "rigid_body.csv")["time"]), 60)
+        self.assertEqual(len(Run(self.folder).body("time")), 60)
 
 
 class SectionCut(TemporaryFolder):
@@ -269,7 +270,7 @@ class SectionCut(TemporaryFolder):
                 self.assertEqual(section.areas().sum(), 9.)
 
     def test_boxes_beside_the_plane_are_behind_it_the_nearest_last(self):
-        # a plane near the upper face of a layer is taken for one in the next layer
+        # a plane near the upper face of a layer counts as one in the next layer
         for at, behind in ((1.4, {0., 2.}), (1.8, {0., 1.})):
             with self.subTest(at=at):
                 backdrop = self.cut(at=at, field="displacement_y").backdrop
@@ -290,8 +291,8 @@ class SectionCut(TemporaryFolder):
         wall = [[1.2, -5.], [1.2, 5.]]
         self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], wall), 0.)
         self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], [[1.2, 5.], [1.2, 9.]]), 1.4)
-        self.assertIsNone(triangles_between(np.array([[0., 0.], [1., 0.], [2., 0.]]), np.array([[1., 1.], [2., 1.], [3., 1.]]),
-                                            np.empty((0, 2, 2))))
+        row = np.array([[0., 0.], [1., 0.], [2., 0.]])
+        self.assertIsNone(triangles_between(row, row + 1., np.empty((0, 2, 2))))
 
     def test_values_and_axes_belong_to_the_boxes(self):
         section = self.cut()
@@ -305,11 +306,11 @@ class SectionCut(TemporaryFolder):
         lengths = np.linalg.norm(section.outline[:, 0] - section.outline[:, 1], axis=1)
         self.assertAlmostEqual(lengths.sum(), 4.)
 
-    def test_plane_outside_the_soil_says_where_it_is(self):
+    def test_plane_outside_the_soil_says_where_the_soil_is(self):
         with self.assertRaisesRegex(PlotError, "lies between 0 and 3 m"):
             self.cut(at=7.)
 
-    def test_mesh_is_cut_where_it_is_asked_for(self):
+    def test_mesh_is_cut_on_request(self):
         self.assertEqual(len(self.cut().cells), 0)
         section = self.cut(mesh=True)
         self.assertEqual(section.cells.shape, (4, 2, 2))
@@ -351,7 +352,7 @@ class Command(TemporaryFolder):
         self.assertEqual(code, 0)
         self.assertEqual([path.name for path in (self.folder / "here").iterdir()], ["section_y_stress_xx_00012.png"])
 
-    def test_missing_history_does_not_keep_the_section_away(self):
+    def test_section_is_drawn_without_a_history(self):
         write_run(self.folder)
         (self.folder / "csv" / "rigid_body.csv").unlink()
         code, out, error = self.run_command()
@@ -365,7 +366,7 @@ class Command(TemporaryFolder):
         self.assertIn("holds no rigid_body.csv", error)
         self.assertIn("holds no mps_1_*.vtu", error)
 
-    def test_missing_step_says_which_there_are(self):
+    def test_missing_step_lists_the_steps_there_are(self):
         write_run(self.folder)
         code, _, error = self.run_command("--section", "--step", "5")
         self.assertEqual(code, 1)

@@ -1,4 +1,4 @@
-"""The plate-anchor study: its cases, and how it reads their results."""
+"""Tests of the plate-anchor study: its cases and its records."""
 import dataclasses
 import json
 import math
@@ -66,7 +66,8 @@ class Cases(unittest.TestCase):
         for key in ("min", "max"):
             np.testing.assert_allclose(box[key], scene_box[key])
         self.assertEqual(box["element size"], scene_box["element size"])
-        rest = [{**each, "adaptivity": {**each["adaptivity"], "boxes": []}} for each in (stage, value_of(case, "analysis.0"))]
+        rest = [{**each, "adaptivity": {**each["adaptivity"], "boxes": []}}
+                for each in (stage, value_of(case, "analysis.0"))]
         self.assertEqual(*rest)
         motion = stage["rigid body boundary conditions"][0]["boundary conditions"][0]["prescribed"]
         self.assertEqual(motion * stage["load steps"], case.distance)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests of the scene runner: exact solutions, measures on made-up results, and that a wrong result is told."""
+"""Tests of the scene runner: exact solutions, measures of made-up results, and detection of wrong results."""
 import json
 import pathlib
 import subprocess
@@ -10,11 +10,12 @@ import unittest
 import numpy as np
 
 SCENES = pathlib.Path(__file__).resolve().parents[2] / "tests" / "scenes"
-sys.path.insert(0, str(SCENES))
+sys.path[:0] = [str(SCENES), str(SCENES.parents[1] / "python")]
 
 from expectations import ExpectationError, judge, load  # noqa: E402  (found only after the line above)
+from kedge_runs import RunError  # noqa: E402
+from kedge_runs.run import Run  # noqa: E402
 from measures import bar, column, course, cube, footing, plate, slope  # noqa: E402
-from runs import Run, RunError  # noqa: E402
 
 
 class RunCase(unittest.TestCase):
@@ -116,15 +117,15 @@ class Footing(RunCase):
         self.assertAlmostEqual(footing.excess(*runs), 0.2)
 
     def make_strip(self, *load):
-        """Half a strip of 2 m on clay of 5 kPa: Prandtl's limit is (2 + pi) 5 kN."""
+        """A run of half a strip of 2 m on clay of 5 kPa: Prandtl's limit is (2 + pi) 5 kN."""
         scene = {"material points": {"layers": [{"material": {"yield stress": 5e3 * np.sqrt(3.)}}]},
                  "rigid bodies": [{"outline": [{"polygon": [[-0.1, 0.], [1., 0.], [1., 1.], [-0.1, 1.]]}]}]}
         return self.make_run(body={"body1_reaction force_z": [-x for x in load]}, scene=scene)
 
-    def test_strip_is_held_against_prandtl(self):
+    def test_strip_is_compared_with_prandtl(self):
         self.assertAlmostEqual(footing.prandtl_excess(self.make_strip(0., 1.1 * (2. + np.pi) * 5e3)), 0.1)
 
-    def test_a_load_that_still_rises_is_told(self):
+    def test_a_load_that_still_rises_is_detected(self):
         self.assertAlmostEqual(footing.last_rise(self.make_strip(*np.arange(1., 21.))), 0.1)
 
 
@@ -153,7 +154,8 @@ class BarVibration(RunCase):
     LENGTH, YOUNG, DENSITY, DT = 1., 160., 10., 0.01  # period 1 s
 
     def make_bar(self, periods=2., stretch=1., energy=1., name="run"):
-        """The exact sum of modes in points along the bar; `energy`: factor on the squares of velocity and strain."""
+        """A run with the exact sum of modes at points along the bar. energy: factor on the squares of velocity and
+        strain."""
         scene = {**soil(self.LENGTH, self.YOUNG, self.DENSITY),
                  "analysis": [{"dt": self.DT, "final time": periods, "beta": 0.25, "gamma": 0.5}]}
         run = self.make_run(scene=scene, stages=[{"cuts": 0}], name=name)
@@ -182,10 +184,10 @@ class BarVibration(RunCase):
         self.assertLess(bar.energy_drift(run), 2e-3)
         self.assertAlmostEqual(bar.energy_left(run), 1., delta=2e-3)
 
-    def test_a_long_period_is_told(self):
+    def test_a_long_period_is_detected(self):
         self.assertAlmostEqual(bar.period_error(self.make_bar(stretch=1.02)), 0.02, delta=1e-4)
 
-    def test_energy_that_grows_is_told(self):
+    def test_energy_that_grows_is_detected(self):
         self.assertGreater(bar.energy_growth(self.make_bar(periods=0.5, energy=1.1)), 0.05)
 
     def test_modes_keep_energy_or_lose_it(self):
@@ -194,12 +196,13 @@ class BarVibration(RunCase):
         for changes, left in (({}, 1.), ({"beta": 0.5, "gamma": 1.}, np.exp(-0.5 * 0.0125 * (2. * np.pi)**2 * 10.))):
             (run.folder / "input.json").write_text(json.dumps({**run.input, "analysis": [{**stage, **changes}]}),
                                                    encoding="utf-8")
-            self.assertAlmostEqual(bar.expected_energy_left(run), left, delta=0.02)
+            self.assertAlmostEqual(bar.expected_energy_left(Run(run.folder)), left, delta=0.02)
 
 
 class Slope(RunCase):
     def make_slide(self, friction, acceleration, turning=0., settled=False):
-        """Columns of a body of 5 kg, I 2 kg m2, that starts at x = 3 m (settled: 3.5 m) under gravity of 8 and 6 m/s2."""
+        """A run of a body with 5 kg and I = 2 kg m2 that starts at x = 3 m (settled: 3.5 m) under gravity of 8 and
+        6 m/s2."""
         time = np.linspace(0., 2., 5)
         x = (3.5 if settled else 3.) + 0.5 * acceleration * time**2
         columns = {"time": time, "body1_position_x": x, "body1_velocity_x": acceleration * time,
@@ -207,15 +210,15 @@ class Slope(RunCase):
         if not settled:  # the start is not written
             columns = {name: values[1:] for name, values in columns.items()}
         scene = {"domain": {"gravity": [8., 0., -6.]}, "contact": {"friction coefficient": friction},
-                 "rigid bodies": [{"points": [{"position": [1., 0., 0.], "mass": 5., "rotational inertia": [9., 2., 9.]}],
-                                   "offset": [2., 0., 0.]}]}
+                 "rigid bodies": [{"offset": [2., 0., 0.], "points": [
+                     {"position": [1., 0., 0.], "mass": 5., "rotational inertia": [9., 2., 9.]}]}]}
         return self.make_run(body=columns, scene=scene, name=f"{friction} {acceleration} {settled}")
 
     def test_block_slides_from_the_end_of_the_stage_before(self):
         run = self.make_slide(0.5, 8. - 0.5 * 6., settled=True)
         self.assertLess(slope.distance_error(run), 1e-12)
         self.assertLess(slope.speed_error(run), 1e-12)
-        self.assertAlmostEqual(slope.largest_way(run), 10.)
+        self.assertAlmostEqual(slope.largest_distance(run), 10.)
 
     def test_ball_slides(self):
         run = self.make_slide(0.1, 8. - 0.1 * 6., turning=0.1 * 6. * 5. / 2.)  # moment mu N r over I
@@ -227,7 +230,7 @@ class Slope(RunCase):
         self.assertLess(slope.distance_error(run, radius=1.), 1e-12)
         self.assertLess(slope.turn_error(run, radius=1.), 1e-12)
 
-    def test_a_wrong_way_is_told(self):
+    def test_a_wrong_distance_is_detected(self):
         self.assertAlmostEqual(slope.distance_error(self.make_slide(0.5, 5.5)), 0.1)
 
 
@@ -259,7 +262,7 @@ class Expectations(RunCase):
         self.assertFalse(self.judge(**{"at most": 1}))
         self.assertFalse(self.judge(**{"at least": 3}))
 
-    def test_no_number_holds_nothing(self):
+    def test_nan_fulfils_no_bound(self):
         run = self.make_run({"a": [np.nan]})
         expectation = {"statement": "", "measure": "course.largest_difference", "with": {"columns": ["a"]},
                        "at most": 1e300}
@@ -302,7 +305,7 @@ class Command(RunCase):
             self.assertEqual(result.returncode, code, result.stderr)
             self.assertIn(words, result.stdout)
 
-    def test_a_failing_program_is_told(self):
+    def test_a_failing_program_is_reported(self):
         result = self.run_scene("#!/bin/bash\necho too bad >&2\nexit 3\n")
         self.assertEqual(result.returncode, 2)
         self.assertIn("exit code 3", result.stderr)

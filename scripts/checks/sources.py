@@ -1,4 +1,4 @@
-"""What the checks share: the repository's files, their include lines, and how findings are reported."""
+"""Shared by the checks: the repository's files, their include lines, and the report of findings."""
 import argparse
 import pathlib
 import re
@@ -11,14 +11,14 @@ _INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
 def options(description):
-    """A parser that knows the root of the repository to look at."""
+    """A parser with the option --root."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("--root", type=pathlib.Path, default=ROOT, help="repository (default: this one)")
+    parser.add_argument("--root", type=pathlib.Path, default=ROOT, help="repository to check (default: this one)")
     return parser
 
 
 def files(root):
-    """Files that are tracked or could be, relative to the root; without git, every file outside hidden and build
+    """Files that git tracks or does not ignore, relative to the root; without git, every file outside hidden and build
     folders."""
     listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
                             cwd=root, capture_output=True, check=False)
@@ -31,7 +31,7 @@ def files(root):
 
 
 def read_lines(path):
-    """Lines of a text file; None where it is no text."""
+    """Lines of a text file; None if the file is no text."""
     try:
         return path.read_text(encoding="utf-8").splitlines()
     except UnicodeDecodeError:
@@ -39,13 +39,13 @@ def read_lines(path):
 
 
 def includes(path):
-    """Line number and name of every file that a source file includes, with its kind of brackets."""
+    """Line number, name and opening bracket of every include line of a source file."""
     return [(number, match[2], match[1]) for number, line in enumerate(read_lines(path) or [], 1)
             if (match := _INCLUDE.match(line))]
 
 
 def finish(findings, fine):
-    """Prints the findings, or one line that all is well; ends with the exit code."""
+    """Prints the findings, or the line `fine` if there are none; ends the program with the exit code."""
     for finding in findings:
         print(finding)
     print(f"{len(findings)} finding{'s' if len(findings) != 1 else ''}" if findings else fine)

@@ -1,4 +1,4 @@
-"""Reads a file of expectations and judges results by it."""
+"""Reads a file of expectations and compares results with it."""
 import importlib
 import json
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ class ExpectationError(Exception):
 
 @dataclass
 class Outcome:
-    """What was measured beside what was expected."""
+    """A measured value and the bounds that it should keep."""
 
     statement: str
     measured: float
@@ -24,7 +24,7 @@ class Outcome:
 
 
 def load(path):
-    """The content of a file of expectations, checked for its form."""
+    """Reads a file of expectations and checks its form."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -48,12 +48,12 @@ def load(path):
 
 
 def judge(expectation, runs):
-    """Takes the measure of the runs that it is `of` (default: all of them, in their order)."""
+    """Measures the runs that the expectation is `of` (default: all of them, in their order)."""
     measure = _find_measure(expectation["measure"])
     chosen = [runs[name] for name in expectation.get("of", runs)]
     measured = float(measure(*chosen, **expectation.get("with", {})))
     bounds = {name: expectation[name] for name in BOUNDS if name in expectation}
-    # a NaN fulfils no bound
+    # NaN fulfils no bound
     holds = all(BOUNDS[name](measured, bound) for name, bound in bounds.items())
     return Outcome(expectation["statement"], measured, bounds, holds)
 

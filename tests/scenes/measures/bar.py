@@ -1,17 +1,17 @@
-"""An elastic bar along z (nu = 0, its sides on rollers) whose foot is held, swinging lengthwise since gravity set in at
-once: u(z, t) is the static shortening less the sum of modes sin(k z), k = pi (2 n - 1) / (2 L), all begun at rest."""
+"""An elastic bar along z (nu = 0, sides on rollers, foot held) that vibrates lengthwise because gravity sets in at
+once. u(z, t) is the static shortening less the sum of modes sin(k z), k = pi (2 n - 1) / (2 L), which start at rest."""
 from dataclasses import dataclass
 
 import numpy as np
 
-from runs import RunError
+from kedge_runs import RunError
 
 MODES = 20
 
 
 @dataclass
 class Bar:
-    """What the input says: m, m2, kg/m3, Pa, m/s2."""
+    """The bar of the input; units m, m2, kg/m3, Pa, m/s2."""
 
     length: float
     area: float
@@ -28,30 +28,30 @@ class Bar:
 
     @property
     def period(self):
-        """Of the lowest mode, s."""
+        """Period of the lowest mode, s."""
         return 4. * self.length * np.sqrt(self.density / self.young)
 
     @property
     def static_shortening(self):
-        """Of the whole bar, m."""
+        """Static shortening of the whole bar, m."""
         return self.density * self.gravity * self.length**2 / (2. * self.young)
 
     @property
     def energy(self):
-        """Kinetic, strain and potential energy above those of the static state: what swings, J."""
+        """Energy of the vibration: kinetic, strain and potential energy above those of the static state, J."""
         return (self.density * self.gravity)**2 * self.area * self.length**3 / (6. * self.young)
 
     def shortening(self, time):
-        """Exact motion of the free end (positive down), m. Its velocity is a triangular wave: the end falls freely until
-        the wave that starts at the foot arrives, after a quarter of a period."""
+        """Exact motion of the free end (positive down), m. Its velocity is a triangular wave: the end falls freely for
+        a quarter of a period, until the wave that starts at the foot arrives."""
         phase = np.asarray(time) / self.period % 1.
-        phase = np.where(phase < 0.5, phase, 1. - phase)  # a swing is even about its middle
+        phase = np.where(phase < 0.5, phase, 1. - phase)  # a period is symmetric about its middle
         return 2. * self.static_shortening * np.where(phase < 0.25, 8. * phase**2, 1. - 8. * (0.5 - phase)**2)
 
 
 @dataclass
 class History:
-    """One value per step from the start at rest."""
+    """The course of the vibration: one value per step, from the start at rest."""
 
     time: np.ndarray
     shortening: np.ndarray  # of the uppermost material points' centres, m
@@ -67,9 +67,9 @@ class History:
 
 def history(run):
     bar, stage = Bar.of(run), run.input["analysis"][0]
-    steps = run.steps()
-    if run.summary["stages"][0]["cuts"] or steps != list(range(2, 2 + len(steps))):
-        raise RunError(f"{run.folder}: every step must be whole and be written")
+    steps = run.csv_steps()
+    if run.stages[0]["cuts"] or steps != list(range(2, 2 + len(steps))):
+        raise RunError(f"{run.folder}: a step was cut or not written")
     rows = [_row(run, step, bar) for step in steps]
     return History(stage.get("basis step", stage["dt"]) * np.arange(len(steps) + 1), *np.array([[0.] * 5, *rows]).T)
 
@@ -88,7 +88,7 @@ def _row(run, step, bar):
 
 
 def period_of(course):
-    """The velocity of the lowest mode changes sign twice a period: slope of a line through these times, s."""
+    """Period from the slope of a line through the times at which the velocity of the lowest mode changes sign, s."""
     value, time = course.modal_velocity[1:], course.time[1:]
     at = np.flatnonzero(np.sign(value[:-1]) != np.sign(value[1:]))
     if len(at) < 2:
@@ -98,24 +98,24 @@ def period_of(course):
 
 
 def period_error(run):
-    """Relative."""
+    """Relative error of the period."""
     return abs(period_of(history(run)) / Bar.of(run).period - 1.)
 
 
 def end_error(run):
-    """Largest difference of the free end's motion to the exact one, over the largest motion."""
+    """Largest error of the free end's motion, over the largest motion."""
     course, bar = history(run), Bar.of(run)
     return np.max(np.abs(course.shortening - bar.shortening(course.time))) / (2. * bar.static_shortening)
 
 
 def energy_left(run):
-    """At the end, of what swings at the start."""
+    """Share of the energy of the vibration that is left at the end."""
     bar = Bar.of(run)
     return 1. + history(run).energy[-1] / bar.energy
 
 
 def expected_energy_left(run):
-    """The same of the bar's modes, each stepped by Newmark's method as one mass on a spring."""
+    """The same share for the bar's modes, each stepped by Newmark's method as one mass on a spring."""
     stage, bar = run.input["analysis"][0], Bar.of(run)
     beta, gamma, dt = stage["beta"], stage["gamma"], stage["dt"]
     left = 0.
@@ -131,18 +131,18 @@ def expected_energy_left(run):
 
 
 def energy_left_error(run):
-    """Difference of the energy left to that of the modes, over what swings at the start."""
+    """Difference between the energy left and that of the modes, over the energy of the vibration."""
     return abs(energy_left(run) - expected_energy_left(run))
 
 
 def energy_drift(run):
-    """Largest change of the energy since the start, over what swings."""
+    """Largest change of the energy since the start, over the energy of the vibration."""
     return np.max(np.abs(history(run).energy)) / Bar.of(run).energy
 
 
 def energy_growth(run):
-    """Largest rise of the energy above any earlier one, over what swings. Newmark's method conserves or dissipates the
-    energy plus (beta - gamma / 2) dt^2 times half the sum of m a^2 (Krenk 2006, Comput. Methods Appl. Mech. Eng. 195): the
-    energy itself where 2 beta = gamma."""
+    """Largest rise of the energy above any earlier value, over the energy of the vibration. Newmark's method conserves
+    or dissipates the energy plus (beta - gamma / 2) dt^2 times half the sum of m a^2 (Krenk 2006, Comput. Methods Appl.
+    Mech. Eng. 195); that is the energy itself if 2 beta = gamma."""
     energy = history(run).energy
     return np.max(energy - np.minimum.accumulate(energy)) / Bar.of(run).energy

@@ -1,8 +1,8 @@
 """The column under its own weight, uniaxial and elastic (Hencky, nu = 0), against its exact solution.
 
-Weight per area is carried by the reference section, so the Cauchy stress in a slice that started at height z0 is
-sigma = -rho g (L - z0) whatever its stretch; the stretch l then follows from E ln(l) / l = sigma, and the slice's
-height from x = int l dz0 = E / (rho g) [ln(l) - ln(l)^2 / 2] between the base and the slice.
+The section keeps its area, so the Cauchy stress in a slice that started at height z0 is sigma = -rho g (L - z0) for
+any stretch. The stretch l follows from E ln(l) / l = sigma. The slice's height is x = int l dz0 =
+E / (rho g) [ln(l) - ln(l)^2 / 2] between the base and the slice.
 """
 import numpy as np
 
@@ -39,7 +39,7 @@ def _stress_errors(run):
 
 
 def largest_stress_error(run):
-    """Of any material point, over the base stress rho g L."""
+    """Largest stress error of any material point, over the base stress rho g L."""
     return np.max(np.abs(_stress_errors(run)))
 
 
@@ -49,10 +49,10 @@ def mean_stress_error(run):
 
 
 def _largest_jump(run, interface, distance):
-    """Over all steps written, over the final base stress."""
+    """Largest jump over all steps written, over the final base stress."""
     length, weight, _ = _case(run)
     steps, largest = run.input["analysis"][0]["load steps"], 0.
-    for step in run.steps():
+    for step in run.csv_steps():
         start, load = run.points("initial position_z", step), (step - 1) / steps
         _, rows = np.unique(np.round(start / length, 6), return_index=True)
         error = (run.points("stress_zz", step) / weight + load * (length - start))[rows] / length
@@ -63,13 +63,13 @@ def _largest_jump(run, interface, distance):
 
 
 def jump_ratio(first, second, interface, distance):
-    """Largest jump of the stress error between neighbouring rows of material points whose mean height is nearer to the
-    interface (a height, m) than the distance (m): first run over second."""
+    """Largest jump of the stress error between neighbouring rows of material points, first run over second. Only rows
+    count whose mean height is less than the distance (m) away from the interface (a height, m)."""
     return _largest_jump(first, interface, distance) / _largest_jump(second, interface, distance)
 
 
 def largest_height_error(run):
-    """Of any material point, m."""
+    """Largest error of the height of any material point, m."""
     exact = exact_height(run.points("initial position_z"), *_case(run))
     return np.max(np.abs(run.points("position_z") - exact))
 
@@ -80,7 +80,7 @@ def length(run):
 
 
 def length_error(run):
-    """Of the length, m."""
+    """Error of the length, m."""
     start, *rest = _case(run)
     return abs(length(run) - exact_height(start, start, *rest))
 

@@ -1,26 +1,26 @@
-"""How a run went, whatever it computed."""
+"""Measures of any run: iterations, cuts, differences."""
 import numpy as np
 
 
 def most_iterations(*runs):
-    """Most Newton iterations of any step."""
+    """Largest number of Newton iterations of any step."""
     return max(max(run.newton_iterations) for run in runs)
 
 
 def mean_iterations(*runs):
     """Newton iterations per step."""
-    stages = [stage for run in runs for stage in run.summary["stages"]]
+    stages = [stage for run in runs for stage in run.stages]
     return sum(stage["newton iterations"] for stage in stages) / sum(stage["steps"] for stage in stages)
 
 
 def cuts(*runs):
-    """Steps that had to be cut."""
-    return sum(stage["cuts"] for run in runs for stage in run.summary["stages"])
+    """Number of steps that were cut."""
+    return sum(stage["cuts"] for run in runs for stage in run.stages)
 
 
 def deepest_penetration(*runs):
-    """Of any corner into a body, at the end of any step, m."""
-    return max(stage["deepest penetration"] for run in runs for stage in run.summary["stages"])
+    """Deepest penetration of any corner into a body at the end of any step, m."""
+    return max(stage["deepest penetration"] for run in runs for stage in run.stages)
 
 
 def largest_difference(first, second, columns):
@@ -31,7 +31,7 @@ def largest_difference(first, second, columns):
 
 
 def largest_body_difference(first, second, columns):
-    """Likewise for columns of the table of rigid bodies."""
+    """The same for columns of the table of rigid bodies."""
     return max(np.max(np.abs(first.body(name) - second.body(name))) / np.max(np.abs(first.body(name)))
                for name in columns)
 
@@ -42,6 +42,6 @@ def mean_body_difference(first, second, column):
 
 
 def share_of_points(first, second):
-    """Material points at the end of the first run over those of the second."""
-    counts = [run.summary["stages"][-1]["material points"] for run in (first, second)]
+    """Number of material points at the end of the first run, over that of the second."""
+    counts = [run.stages[-1]["material points"] for run in (first, second)]
     return counts[0] / counts[1]

@@ -1,4 +1,4 @@
-"""The elastic cube (Hencky, nu = 0) under a smooth platen: uniaxial strain, so that the cross-section keeps its area."""
+"""The elastic cube (Hencky, nu = 0) under a smooth platen. The strain is uniaxial, so the section keeps its area."""
 import numpy as np
 
 
@@ -11,12 +11,12 @@ def _case(run):
 
 
 def _mean_stress(run):
-    """Compressive, over the initial volume."""
+    """Mean compressive stress, weighted by the initial volume, Pa."""
     return -np.average(run.points("stress_zz"), weights=run.points("initial volume"))
 
 
 def _contact_force(run):
-    """The reaction moves the platen and carries its weight; the rest of it presses on the soil. N"""
+    """Force between platen and soil, N: the platen's weight less the reaction, which holds the platen."""
     point = run.input["rigid bodies"][0]["points"][0]
     own_weight = point["mass"] * abs(run.input["domain"]["gravity"][-1])
     return own_weight - run.body("body1_reaction force_z")[-1]
@@ -29,19 +29,19 @@ def reached_height(run):
 
 
 def hencky_error(run):
-    """Relative difference of the mean stress to E ln(L / L0) L0 / L at the height reached."""
+    """Relative error of the mean stress against E ln(L / L0) L0 / L at the height reached."""
     start, _, _, young = _case(run)
     height = reached_height(run)
     return abs(_mean_stress(run) / (-young * np.log(height / start) * start / height) - 1.)
 
 
 def spread(run):
-    """Largest less smallest stress, over the mean."""
+    """Difference between the largest and the smallest stress, over the mean."""
     return np.ptp(run.points("stress_zz")) / _mean_stress(run)
 
 
 def balance_error(run):
-    """Relative difference of contact force / area + half the soil's weight / area to the mean stress."""
+    """Relative difference between the mean stress and (contact force + half the soil's weight) / area."""
     start, area, weight, _ = _case(run)
     return abs((_contact_force(run) / area + weight * start / 2.) / _mean_stress(run) - 1.)
 
@@ -56,15 +56,15 @@ def penetration(run):
 
 
 def mean_stress_difference(first, second):
-    """Relative."""
+    """Relative difference of the mean stress between two runs."""
     return abs(_mean_stress(first) / _mean_stress(second) - 1.)
 
 
 def contact_force_difference(first, second):
-    """Relative."""
+    """Relative difference of the contact force between two runs."""
     return abs(_contact_force(first) / _contact_force(second) - 1.)
 
 
 def penetration_difference(first, second):
-    """Relative."""
+    """Relative difference of the penetration between two runs."""
     return abs(penetration(first) / penetration(second) - 1.)

@@ -1,16 +1,10 @@
-"""A plate anchor in sand: one half of it, buried at the start, pulled along x."""
-import pathlib
-import sys
-
+"""A plate anchor in sand: a half model, buried at the start, pulled along x."""
 import numpy as np
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "python"))
-
-from kedge_plot.resistance import fit_hyperbola  # noqa: E402  (found only after the line above)
+from kedge_plot.resistance import fit_hyperbola
 
 
 def _start(run):
-    """Where the plate's point begins along x, m."""
+    """Initial x of the plate's point, m."""
     system = run.input["rigid bodies"][0]
     return system["points"][0]["position"][0] + system.get("offset", [0.])[0]
 
@@ -37,7 +31,7 @@ def flattening(run, area):
 
 
 def resistance(run, area):
-    """At the end, Pa."""
+    """Resistance at the end, Pa."""
     return _curve(run, area)[1][-1]
 
 
@@ -53,8 +47,8 @@ def limit_error(run, area):
 
 
 def _surface_motion(run):
-    """Distance ahead of the plate at the start and vertical displacement of the uppermost material points near the plane
-    of symmetry, m."""
+    """For the uppermost material points near the plane of symmetry: initial distance ahead of the plate and vertical
+    displacement, m."""
     z, y = run.points("initial position_z"), run.points("initial position_y")
     chosen = np.isclose(z, z.max()) & np.isclose(y, y.min())
     start = _start(run)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import PlotError
+from . import RunError
 
 _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "i4", "UInt32": "u4",
           "Int64": "i8", "UInt64": "u8", "Float32": "f4", "Float64": "f8"}
@@ -20,7 +20,8 @@ _TYPES = {"Int8": "i1", "UInt8": "u1", "Int16": "i2", "UInt16": "u2", "Int32": "
 
 @dataclass
 class Grid:
-    """Points (n, 3), cells as lists of point numbers with VTK's cell types, and named data, one row per entry."""
+    """Points (n, 3), cells as lists of point numbers with VTK's cell types, and named data with one row per point or
+    cell."""
     points: np.ndarray
     connectivity: np.ndarray
     offsets: np.ndarray
@@ -44,7 +45,7 @@ def read_grid(path):
     if path.suffix == ".pvtu":
         sources = [piece.get("Source") for piece in _parse(path)[0].iter("Piece")]
         if not sources:
-            raise PlotError(f"{path}: names no pieces")
+            raise RunError(f"{path}: names no pieces")
         return _join([_read_vtu(path.parent / source) for source in sources])
     return _read_vtu(path)
 
@@ -54,7 +55,7 @@ def _parse(path):
     try:
         content = path.read_bytes()
     except OSError as error:
-        raise PlotError(f"{path}: cannot be read ({error.strerror})") from error
+        raise RunError(f"{path}: cannot be read ({error.strerror})") from error
     raw = None
     opening = re.search(rb"<AppendedData[^>]*encoding=\"raw\"[^>]*>\s*_", content)
     if opening:
@@ -64,18 +65,18 @@ def _parse(path):
     try:
         return ElementTree.fromstring(content), raw
     except ElementTree.ParseError as error:
-        raise PlotError(f"{path}: damaged XML ({error})") from error
+        raise RunError(f"{path}: damaged XML ({error})") from error
 
 
 def _read_vtu(path):
     root, raw = _parse(path)
     if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
-        raise PlotError(f"{path}: not a VTK unstructured grid")
+        raise RunError(f"{path}: not a VTK unstructured grid")
     arrays = _Arrays(root, raw)
     try:
         return _join([_read_piece(piece, arrays) for piece in root.iter("Piece")])
     except (ValueError, KeyError, TypeError, AttributeError, IndexError, zlib.error) as error:
-        raise PlotError(f"{path}: damaged or truncated data ({error})") from error
+        raise RunError(f"{path}: damaged or truncated data ({error})") from error
 
 
 def _read_piece(piece, arrays):
@@ -117,7 +118,7 @@ class _Arrays:
         self.header = np.dtype(self.order + _TYPES[root.get("header_type", "UInt32")])
         self.compressed = root.get("compressor") is not None
         if root.get("compressor") not in (None, "", "vtkZLibDataCompressor"):
-            raise PlotError(f"compressor {root.get('compressor')} is not supported, only zlib")
+            raise RunError(f"compressor {root.get('compressor')} is not supported, only zlib")
         self.raw = raw
         appended = root.find("AppendedData")
         self.base64 = "" if appended is None else "".join(appended.text.split())[1:]  # after the underscore
@@ -151,7 +152,8 @@ class _Arrays:
         return data[:n_bytes]
 
     def _inflate(self, data):
-        """Blocks: their number, their size, the size of an incomplete last one, the compressed sizes, the blocks."""
+        """Inflates blocks. The data holds their number, their size, the size of an incomplete last one, the compressed
+        sizes, and the blocks."""
         n_blocks = int(np.frombuffer(data, self.header, 1)[0])
         sizes = np.frombuffer(data, self.header, n_blocks, 3 * self.header.itemsize) if n_blocks else []
         at = (3 + n_blocks) * self.header.itemsize
@@ -163,6 +165,6 @@ class _Arrays:
 
 
 def _decode(text):
-    """Base64 in which header and data may have been encoded one after the other, each with its own padding."""
+    """Decodes base64 whose header and data may be encoded separately, each with its own padding."""
     text = "".join(text.split())
     return b"".join(base64.b64decode(part) for part in re.findall(r"[^=]+={0,2}", text))

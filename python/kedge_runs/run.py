@@ -1,0 +1,184 @@
+"""Finds the files of a run and reads them."""
+import csv
+import functools
+import json
+import pathlib
+import re
+
+import numpy as np
+
+from . import RunError
+from .vtu import read_grid
+
+
+class Run:
+    """The output folder of one run. The CSV and VTK folders below it may have any name. Files are read when they are
+    first needed, JSON and CSV files only once; a later change of such a file shows in a new Run."""
+
+    def __init__(self, folder, log=""):
+        """folder: of --output. log: what the program printed, where the caller has it."""
+        self.folder = pathlib.Path(folder)
+        self.log = log
+        self._tables = {}
+        if not self.folder.is_dir():
+            raise RunError(f"{folder}: no such folder")
+
+    @functools.cached_property
+    def input(self):
+        """The content of input.json: the effective input."""
+        return self._json("input.json")
+
+    @functools.cached_property
+    def summary(self):
+        """The content of summary.json; empty where the run has not written it yet."""
+        return self._json("summary.json") if (self.folder / "summary.json").is_file() else {}
+
+    @property
+    def is_finished(self):
+        """Whether the run reached its end."""
+        return self.summary.get("status") == "finished"
+
+    @property
+    def stages(self):
+        """The entries of summary.json for the stages, in order."""
+        if not self.summary.get("stages"):
+            raise RunError(f"{self.folder}: holds no summary.json that lists stages")
+        return self.summary["stages"]
+
+    @property
+    def newton_iterations(self):
+        """Newton iterations of every step that the log shows."""
+        return [int(number) for number in re.findall(r"\bNR (\d+)", self.log)]
+
+    def share_outside_newton(self):
+        """Share of the wall time that the run spends outside residuals, tangents, linear systems and explicit time
+        steps; NaN where the summary holds no times yet."""
+        time = self.summary.get("wall time", {})
+        phases = time.get("phases", {})
+        inside = sum(phases.get(name, 0.) for name in ("residual", "tangent", "linear solver", "time steps"))
+        return (sum(phases.values()) - inside) / time.get("total", np.nan)
+
+    def start_of(self, body):
+        """Position of a body at the start of the first stage, m; None where the summary does not say."""
+        stages = self.summary.get("stages") or [{}]
+        points = stages[0].get("rigid points at start", [])
+        return points[body - 1] if 0 < body <= len(points) else None
+
+    def bodies(self):
+        """The columns of rigid_body.csv by name."""
+        paths = sorted(self.folder.rglob("rigid_body.csv"))
+        if not paths:
+            raise RunError(f"{self.folder}: holds no rigid_body.csv; was \"csv\" on and is there a rigid body?")
+        if len(paths) > 1:
+            raise RunError(f"{self.folder}: holds several runs ({', '.join(map(str, paths))}); name one of them")
+        columns = self._table(paths[0])
+        if not len(next(iter(columns.values()))):
+            raise RunError(f"{paths[0]}: holds no rows yet")
+        return columns
+
+    def body(self, name):
+        """A column of rigid_body.csv, such as "body1_position_z"."""
+        return _column(self.bodies(), name, "rigid_body.csv")
+
+    def csv_steps(self):
+        """Numbers of the steps at which the run wrote the tables of the material points, in order."""
+        return sorted(self._layers)
+
+    def points(self, name, step=None):
+        """A column of the tables of the material points, such as "stress_zz", of all layers; default: at the last step
+        written."""
+        steps = self.csv_steps()
+        if not steps:
+            raise RunError(f"{self.folder}: holds no mps_*.csv; was \"csv\" on?")
+        paths = self._layers[steps[-1] if step is None else step]
+        return np.concatenate([_column(self._table(path, skip=1), name, path) for path in paths])
+
+    def vtk_steps(self, series="mps_1"):
+        """Numbers of the steps at which the run wrote a series of VTK files, in order."""
+        return sorted({step for step, _ in self._vtk_files(series)})
+
+    def soil(self, step=None):
+        """The material points of all layers at a step (default: the last) and that step, as a list of grids."""
+        steps = self.vtk_steps()
+        if not steps:
+            raise RunError(f"{self.folder}: holds no mps_1_*.vtu; was \"vtk\" on?")
+        step = steps[-1] if step is None else step
+        if step not in steps:
+            raise RunError(f"no material points were written at step {step}; "
+                           f"written: {', '.join(map(str, steps[:20]))}{' ...' if len(steps) > 20 else ''}")
+        grids = []
+        layer = 1
+        while files := dict(self._vtk_files(f"mps_{layer}")):
+            if step in files:
+                grids.append(read_grid(files[step]))
+            layer += 1
+        return grids, step
+
+    def surface(self, step):
+        """The surfaces of the bodies at the last output up to a step; None without bodies."""
+        files = {number: path for number, path in self._vtk_files("surface") if number <= step}
+        return read_grid(files[max(files)]) if files else None
+
+    def mesh(self, step):
+        """The cells that hold soil at a step."""
+        files = dict(self._vtk_files("mesh"))
+        if step not in files:
+            raise RunError(f"{self.folder}: holds no mesh of step {step}")
+        return read_grid(files[step])
+
+    def _vtk_files(self, series):
+        """Step and path of every whole file of a series; of a file in pieces only the .pvtu."""
+        name = re.compile(re.escape(series) + r"_(\d+)\.p?vtu")
+        found = {}
+        for path in sorted(self.folder.rglob(series + "_*vtu")):
+            if match := name.fullmatch(path.name):
+                step = int(match[1])
+                if path.suffix == ".pvtu" or step not in found:
+                    found[step] = path
+        return sorted(found.items())
+
+    @functools.cached_property
+    def _layers(self):
+        """By step, the CSV files of the layers in their order. Searched only once: a run may write hundreds."""
+        result = {}
+        for path in self.folder.rglob("mps_*.csv"):
+            result.setdefault(int(path.stem.rsplit("_", 1)[1]), []).append(path)
+        for paths in result.values():
+            paths.sort(key=lambda path: int(path.stem.split("_")[1]))
+        return result
+
+    def _table(self, path, skip=0):
+        if path not in self._tables:
+            self._tables[path] = _read_table(path, skip)
+        return self._tables[path]
+
+    def _json(self, name):
+        path = self.folder / name
+        try:
+            return json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise RunError(f"{path}: cannot be read ({error})") from error
+
+
+def _read_table(path, skip):
+    """Columns by name of a CSV file whose names stand below `skip` lines. A row that the program has written only in
+    part is left out."""
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows = list(csv.reader(stream))[skip:]
+    except OSError as error:
+        raise RunError(f"{path}: cannot be read ({error.strerror})") from error
+    if not rows or not rows[0]:
+        raise RunError(f"{path}: holds no names of columns yet")
+    names, rows = rows[0], [row for row in rows[1:] if len(row) == len(rows[0])]
+    try:
+        values = np.array(rows, dtype=float).reshape(-1, len(names))
+    except ValueError as error:
+        raise RunError(f"{path}: {error}") from error
+    return dict(zip(names, values.T))
+
+
+def _column(columns, name, path):
+    if name not in columns:
+        raise RunError(f"{path}: has no column \"{name}\"; it has {', '.join(columns)}")
+    return columns[name]

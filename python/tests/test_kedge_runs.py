@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+"""Tests of kedge_runs: commands, and tables of small synthetic runs. test_kedge_plot.py tests the VTK files."""
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+
+from kedge_runs import RunError  # noqa: E402  (found only after the line above)
+from kedge_runs.program import command  # noqa: E402
+from kedge_runs.run import Run  # noqa: E402
+
+
+class Tables(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def test_points_of_all_layers_come_in_the_order_of_the_layers(self):
+        for layer in (2, 10, 1, 3, 11, 4):
+            self.write(f"csv/mps_{layer}_00003.csv", f"time,1\nvolume,lp_x\n{layer},0\n")
+        self.write("csv/mps_1_00002.csv", "time,1\nvolume,lp_x\n7,0\n")
+        run = Run(self.folder)
+        self.assertEqual(run.csv_steps(), [2, 3])
+        np.testing.assert_array_equal(run.points("volume"), [1., 2., 3., 4., 10., 11.])
+        np.testing.assert_array_equal(run.points("volume", 2), [7.])
+
+    def test_a_row_that_is_not_complete_is_left_out(self):
+        self.write("csv/rigid_body.csv", "time,step\n1,2\n2")
+        np.testing.assert_array_equal(Run(self.folder).body("step"), [2.])
+
+    def test_a_table_without_rows_is_named(self):
+        self.write("csv/rigid_body.csv", "time,step\n")
+        with self.assertRaisesRegex(RunError, "rigid_body.csv: holds no rows yet"):
+            Run(self.folder).bodies()
+
+    def test_a_folder_with_several_runs_is_refused(self):
+        for name in ("a", "b"):
+            self.write(f"{name}/rigid_body.csv", "time,step\n1,2\n")
+        with self.assertRaisesRegex(RunError, "several runs"):
+            Run(self.folder).bodies()
+
+    def test_a_missing_column_is_named_beside_those_that_are_there(self):
+        self.write("csv/rigid_body.csv", "time,step\n1,2\n")
+        with self.assertRaisesRegex(RunError, "no column \"stage\"; it has time, step"):
+            Run(self.folder).body("stage")
+
+    def test_summary_may_be_missing_but_not_its_stages(self):
+        run = Run(self.folder)
+        self.assertEqual((run.summary, run.is_finished, run.start_of(1)), ({}, False, None))
+        with self.assertRaisesRegex(RunError, "no summary.json that lists stages"):
+            print(run.stages)
+
+    def test_summary_says_where_a_body_starts_and_where_the_time_goes(self):
+        self.write("summary.json", json.dumps({
+            "status": "finished", "stages": [{"rigid points at start": [[1., 2., 3.]]}],
+            "wall time": {"total": 10., "phases": {"residual": 6., "output": 2.}}}))
+        run = Run(self.folder)
+        self.assertTrue(run.is_finished)
+        self.assertEqual(run.start_of(1), [1., 2., 3.])
+        self.assertIsNone(run.start_of(2))
+        self.assertAlmostEqual(run.share_outside_newton(), 0.2)
+
+
+class Command(unittest.TestCase):
+    def test_settings_and_options_follow_the_folder(self):
+        self.assertEqual(command("kedge", "a.json", "out", ["x=1", "y=2"], options=["--quiet"]),
+                         ["kedge", "run", "a.json", "--output", "out", "--quiet", "--set", "x=1", "--set", "y=2"])
+
+    def test_several_ranks_need_mpirun(self):
+        words = command("kedge", "a.json", "out", ranks=2)
+        self.assertEqual(pathlib.Path(words[0]).name, "mpirun")
+        self.assertEqual(words[1:4], ["-n", "2", "kedge"])
+
+
+if __name__ == "__main__":
+    unittest.main()
