@@ -179,7 +179,8 @@ template <int dim> void read_contact(const RunState<dim>& state, const Hdf5Reade
                        static_cast<std::uint32_t>(key[2]),
                        {value[0], value[1], value[2]},
                        value[3],
-                       value[4]});
+                       value[4],
+                       value[5] != 0.});
   }
   state.contact.import_history(records, state.particles.ids());
 }

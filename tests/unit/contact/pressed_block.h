@@ -47,7 +47,7 @@ template <int dim> struct PressedBlock
   static ContactParameters contact_parameters(const double friction)
   {
     ContactParameters parameters;
-    parameters.friction_coefficient = friction;
+    parameters.interface.friction_coefficient = friction;
     return parameters;
   }
 
