@@ -47,6 +47,15 @@ public:
 
   /// Area that the corners under the box stand for, m2 (2-D: m).
   static double area() { return dim == 3 ? 100 * 0.25 * 0.25 * 0.25 : 10 * 0.5 * 0.25; }
+
+  static void split(Block& block)
+  {
+    block.contact.inherit(split_particles(block.particles, block.mesh, 4));
+    block.particles.load();
+    block.contact.follow_particles(block.particles.ids());
+    block.find_pairs(0.1);
+  }
+
   static double spring(const Block& block) { return block.n_corners() * block.normal_stiffness(); }
 };
 
@@ -166,6 +175,18 @@ TYPED_TEST(Interface, BuriedBoxIsNotBondedFarther)
   EXPECT_EQ(this->lift(block, 2e-3).norm(), 0.);
 }
 
+TYPED_TEST(Interface, BondOfABuriedBoxDoesNotFade)
+{
+  typename TestFixture::Block block(0.5, 2e-2);
+  this->give(block, this->adhesive(2e3, TangentialLimit::smaller, true));
+  block.contact.take_reference_gaps(block.bodies);
+  const Vector6 before = this->lift(block, 5e-3);
+  block.contact.commit();
+  block.bodies.points[0].pose = block.bodies.points[0].pose.moved(test::translation(0., 0., 5e-3));
+  block.find_pairs(0.1);
+  EXPECT_LT((this->lift(block, 0.) - before).norm(), 1e-9 * before.norm());
+}
+
 TYPED_TEST(Interface, MultipliersOfABondedSurfacePull)
 {
   typename TestFixture::Block block(0.5, depth);
@@ -241,10 +262,7 @@ TYPED_TEST(Interface, BondSurvivesSplitting)
   this->lift(block, 3e-3);
   block.contact.commit();
   block.bodies.points[0].pose = block.bodies.points[0].pose.moved(test::translation(0., 0., 3e-3));
-  block.contact.inherit(split_particles(block.particles, block.mesh, 4));
-  block.particles.load();
-  block.contact.follow_particles(block.particles.ids());
-  block.find_pairs(0.1);
+  this->split(block);
   block.evaluate_at_rest();
   EXPECT_EQ(block.contact.n_active(), TypeParam::value == 3 ? 4 * 16 * 16 : 2 * 16);
   for (const auto& touch : block.contact.touches())
@@ -260,12 +278,44 @@ TYPED_TEST(Interface, SplittingDoesNotBondBeyondTheBox)
   typename TestFixture::Block block(0.5, depth);
   this->give(block, this->adhesive(2e3, TangentialLimit::smaller, true));
   this->touch(block);
-  block.contact.inherit(split_particles(block.particles, block.mesh, 4));
-  block.particles.load();
-  block.contact.follow_particles(block.particles.ids());
-  block.find_pairs(0.1);
+  this->split(block);
   this->lift(block, 3e-3);
   EXPECT_GT(block.contact.n_active(), 0);
   for (const auto& touch : block.contact.touches())
     EXPECT_LT(std::abs(touch.position[0] - 1.), 0.5 + 1e-9);
+}
+
+TYPED_TEST(Interface, SplittingLeavesCornersThatAreNotBondedAtRest)
+{
+  // bonded at a distance: corners between bonded ones and free ones must not press there
+  typename TestFixture::Block block(0.5, -0.12, 0.7);
+  this->give(block, this->adhesive(2e3, TangentialLimit::smaller, true));
+  block.contact.take_reference_gaps(block.bodies);
+  block.evaluate_at_rest();
+  block.contact.commit();
+  this->split(block);
+  block.evaluate_at_rest();
+  EXPECT_GT(block.contact.n_active(), 0);
+  for (const auto& touch : block.contact.touches())
+    EXPECT_LT(std::abs(touch.position[2] - 1.), 1e-12);
+}
+
+TYPED_TEST(Interface, SplittingDoesNotBondTheParentsCentre)
+{
+  // a parent with all its corners bonded
+  constexpr int dim = TypeParam::value;
+  typename TestFixture::Block block(0.5, depth);
+  this->give(block, this->adhesive(2e3, TangentialLimit::smaller, true));
+  std::vector<ContactRecord> records;
+  if (!block.particles.ids().empty())
+    for (std::uint32_t corner = 0; corner < 1u << dim; ++corner)
+      records.push_back({block.particles.ids()[0], corner, 0, {0., 0., 0.}, 0., 0., 1});
+  block.contact.import_history(records, block.particles.ids());
+  block.contact.inherit(split_particles(block.particles, block.mesh, 4));
+  constexpr std::uint32_t n = 1u << dim;
+  long long bonded = 0;
+  for (const ContactRecord& record : block.contact.export_history())
+    bonded += record.bonded;
+  const long long parents = sum_over_ranks(static_cast<long long>(!records.empty()), MPI_COMM_WORLD);
+  EXPECT_EQ(sum_over_ranks(bonded, MPI_COMM_WORLD), parents * (n * n - n)); // one corner of each child lies there
 }
