@@ -73,6 +73,20 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
   return points;
 }
 
+/// Tension pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to
+/// facet and no Newton iteration comes to rest: within a step a plane stands for the surface.
+template <int dim>
+std::optional<ClosestPoint> Contact<dim>::closest_on_bonding_plane(Pair& pair, const Surface& surface,
+                                                                   const Pose& before, const Eigen::Vector3d& slip)
+{
+  if (!pair.bonding_plane)
+    pair.bonding_plane = surface.closest_point(before.to_body(pair.start));
+  ClosestPoint closest = *pair.bonding_plane;
+  closest.gap += closest.normal.dot(slip);
+  closest.feature = Feature::face;
+  return closest;
+}
+
 template <int dim>
 void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const
 {
@@ -85,11 +99,11 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   pair.proposed.multiplier = 0.;
   pair.proposed.tangential.setZero();
 
-  // the surface acts up to where the multiplier presses; a bonded corner is held at any distance
   const bool bonded = pair.committed.bonded;
-  const double farthest =
-      bonded ? std::numeric_limits<double>::infinity() : pair.augmented.multiplier / pair.stiffness.normal;
-  const auto closest = surface.closest_point_within(now.to_body(pair.position), farthest, pair.known);
+  const Eigen::Vector3d x = now.to_body(pair.position), slip = x - before.to_body(pair.start); // as the body sees it
+  const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
+  const auto closest = bonded ? closest_on_bonding_plane(pair, surface, before, slip)
+                              : surface.closest_point_within(x, held_off, pair.known);
   if (!closest)
     return;
   pair.gap = closest->gap;
@@ -110,7 +124,7 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   at.normal = now.direction_to_world(closest->normal);
   const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
   at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
-  at.slip = now.direction_to_world(now.to_body(pair.position) - before.to_body(pair.start)); // as the body sees it
+  at.slip = now.direction_to_world(slip);
   const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
 
   const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier, bonded);

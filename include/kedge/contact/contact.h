@@ -10,6 +10,7 @@
 #include <kedge/particles/splitting.h>
 #include <map>
 #include <mpi.h>
+#include <optional>
 
 namespace kedge
 {
@@ -163,12 +164,17 @@ private:
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
     KnownDistance known;         ///< in the body's frame
+    std::optional<ClosestPoint> bonding_plane; ///< bonded: of the corner at the start of the step, in the body's frame
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
   Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
+  /// Where a bonded corner is against the tangent plane of the surface at the start of the step; `slip` is its motion
+  /// since then in the body's frame, m.
+  static std::optional<ClosestPoint> closest_on_bonding_plane(Pair& pair, const Surface& surface, const Pose& before,
+                                                              const Eigen::Vector3d& slip);
   /// Forces and trial history of a pair at its position, its body having moved.
   void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
 

@@ -290,3 +290,11 @@ TEST(BondedPoint, ForceIsContinuousWhereItBeginsToPull)
     EXPECT_LT((force(1e-9) - force(-1e-9)).norm(), 2e-9 * 1.5e6);
   }
 }
+
+TEST(CoulombLaw, AdhesionHoldsWithoutFriction)
+{
+  const Body face{"face", 1};
+  const ContactResponse response = respond_to_contact(face.at({1., 0., -1e-3}, {0., 0., -1e-3}, 0.),
+                                                      {1e6, 5e5, 0., 100., TangentialLimit::sum}, Vector3d::Zero());
+  EXPECT_NEAR(response.force[0], -100., 1e-9);
+}

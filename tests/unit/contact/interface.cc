@@ -139,6 +139,16 @@ TYPED_TEST(Interface, BondedSurfaceSlidesAtTheAdhesionWhereItPulls)
   }
 }
 
+TYPED_TEST(Interface, BondedCornersKeepTheirNormalDuringAStep)
+{
+  // the ends of the box pass corners, which would be pulled askew
+  typename TestFixture::Block block(0.5, depth);
+  this->give(block, this->adhesive(2e3, TangentialLimit::smaller, true));
+  this->touch(block);
+  const double expected = this->spring(block) * 2e-3;
+  EXPECT_NEAR(this->lift(block, 3e-3, -0.2)[2], -expected, 1e-9 * expected);
+}
+
 TYPED_TEST(Interface, StaysBondedWhileItPulls)
 {
   typename TestFixture::Block block(0.5, depth);
