@@ -13,7 +13,7 @@ ExplicitMotion::ExplicitMotion(const RigidSystems& committed, const bool begins_
     start.push_back(point.pose);
 }
 
-void ExplicitMotion::kick(const PointLoads& loads, const Eigen::Vector3d& gravity, const double time)
+void ExplicitMotion::kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, const double time)
 {
   for (std::size_t i = 0; i < moving.points.size(); ++i)
   {

@@ -123,6 +123,7 @@ Section<SurfaceParameters> stl_section()
   section.required("stl", &P::stl, existing_file(),
                    "ASCII or binary STL file in global coordinates, relative to the input file");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
+  section.include(interface_section(false), &P::interface);
   section.ignored("mesh cache", "Not read: no volume mesh is needed");
   section.ignored("name", "Not read: a label");
   return section;
@@ -135,6 +136,7 @@ Section<SurfaceParameters> outline_section()
   section.required("polygon", &P::outline, list_of(fixed_list<2>(number("m"), Layout{2, 2, "[x, z]", "[x, z]"}), 3),
                    "Corners in order; the last is joined to the first");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
+  section.include(interface_section(false), &P::interface);
   return section;
 }
 

@@ -85,7 +85,7 @@ void add_joint(const Joint& joint, const RigidSystems& systems, const std::vecto
 } // namespace
 
 RigidBalance rigid_balance(const RigidSystems& systems, const RigidStep& step, const std::vector<Vector6>& increments,
-                           const PointLoads& loads)
+                           const BodyLoads& loads)
 {
   FullBalance full(6 * systems.points.size());
   for (unsigned int i = 0; i < systems.points.size(); ++i)

@@ -62,7 +62,7 @@ std::string unsupported_dof(const RigidSystems& systems, const RigidBalance& bal
   return name_of(systems, free_dofs(systems)[largest]);
 }
 
-RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const PointLoads& loads,
+RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const BodyLoads& loads,
                                  const double tolerance, const unsigned int max_iterations)
 {
   const std::vector<FreeDof> dofs = free_dofs(systems);

@@ -37,8 +37,8 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
       const std::string path = fmt::format("rigid bodies[{}].{}[{}]", s, dim == 3 ? "stl files" : "outline", i);
       TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
       // drawn in global coordinates before the offset, like the points
-      systems.surfaces.push_back(
-          {Surface(in_body_frame(std::move(mesh), to_world_axes(point.position, dim))), first + surface.point - 1});
+      systems.surfaces.push_back({Surface(in_body_frame(std::move(mesh), to_world_axes(point.position, dim))),
+                                  first + surface.point - 1, surface.interface});
     }
     for (const ConstraintParameters& constraint : system.constraints)
       systems.joints.push_back(make_joint(constraint, system.points, first, dim));

@@ -1,8 +1,26 @@
+// What the contact forces of the last evaluation exert on the bodies, and its derivatives.
 #include <kedge/base/communication.h>
 #include <kedge/contact/contact.h>
 
 namespace kedge
 {
+template <int dim>
+BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const
+{
+  BodyLoads result(committed.points.size(), Vector6::Zero());
+  for (const Pair& pair : pairs)
+    if (pair.active)
+    {
+      const unsigned int point = committed.surfaces[pair.key.surface].point;
+      const Eigen::Vector3d arm = pair.position - committed.points[point].pose.moved(increments[point]).position;
+      result[point].template head<3>() -= pair.force;
+      result[point].template tail<3>() -= arm.cross(pair.force);
+    }
+  if (!result.empty())
+    MPI_Allreduce(MPI_IN_PLACE, result.data(), 6 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  return result;
+}
+
 /// The contact law lives in the body's frame: the force turns with the body and depends on where the soil point is in
 /// that frame alone. With K = d f / d x, r the arm and w the spin, a rate of the body changes f by -K v + (K [r] - [f])
 /// w.
@@ -36,6 +54,8 @@ ContactCoupling Contact<dim>::coupling(const RigidSystems& committed, const std:
   return result;
 }
 
+template BodyLoads Contact<2>::loads(const RigidSystems&, const std::vector<Vector6>&) const;
+template BodyLoads Contact<3>::loads(const RigidSystems&, const std::vector<Vector6>&) const;
 template ContactCoupling Contact<2>::coupling(const RigidSystems&, const std::vector<Vector6>&) const;
 template ContactCoupling Contact<3>::coupling(const RigidSystems&, const std::vector<Vector6>&) const;
 } // namespace kedge

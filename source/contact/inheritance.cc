@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <kedge/contact/contact.h>
 #include <set>
 
@@ -36,7 +37,8 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
         for (std::uint32_t corner = 0; corner < n; ++corner)
         {
           History inherited;
-          double known = 0.;
+          double known = 0., bonded = 0.;
+          unsigned int n_contributing = 0;
           for (std::uint32_t from = 0; from < n; ++from)
           {
             const auto entry = of_parent.find({split.parent, from, surface});
@@ -44,6 +46,8 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
               continue;
             const double share = share_of_corner<dim>(from, octant, corner);
             known += share;
+            bonded += entry->second.bonded ? share : 0.;
+            n_contributing += share > 0.;
             inherited.tangential += area_share * share * entry->second.tangential;
             inherited.multiplier += area_share * share * entry->second.multiplier;
             inherited.reference_gap += share * entry->second.reference_gap;
@@ -51,6 +55,13 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
           if (known == 0.)
             continue;
           inherited.reference_gap /= known;
+          // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
+          inherited.bonded = bonded == 1. && n_contributing < n;
+          if (!inherited.bonded) // what only presses is not held off its surface and never pulled
+          {
+            inherited.reference_gap = std::min(0., inherited.reference_gap);
+            inherited.multiplier = std::max(0., inherited.multiplier);
+          }
           history[{split.children[octant], corner, surface}] = inherited;
         }
   }

@@ -9,8 +9,7 @@ Section<ContactParameters> contact_section()
 {
   using P = ContactParameters;
   Section<P> section("Contact between the soil and the surfaces of the rigid bodies");
-  section.required("friction coefficient", &P::friction_coefficient, number("-", not_negative()),
-                   "Coulomb's coefficient; 0: frictionless");
+  section.include(interface_section(true), &P::interface);
   section.optional("method", &P::method,
                    choice<ContactMethod>({{"penalty", ContactMethod::penalty},
                                           {"augmented lagrangian", ContactMethod::augmented_lagrangian}}),

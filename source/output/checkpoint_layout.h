@@ -7,7 +7,7 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of what the file holds.
-constexpr int format_version = 3;
+constexpr int format_version = 4;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields
@@ -15,7 +15,7 @@ template <int dim> constexpr unsigned int leaf_width = dim + 2;                /
 template <int dim> constexpr unsigned int node_width = 2 * dim;                // position, increment
 constexpr unsigned int body_width =
     3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
-constexpr unsigned int contact_key_width = 3, contact_width = 5;
+constexpr unsigned int contact_key_width = 3, contact_width = 6;
 
 /// What the text "version" says.
 inline std::string version_text(const unsigned int dim)

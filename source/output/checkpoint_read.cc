@@ -176,7 +176,8 @@ template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reade
                        static_cast<std::uint32_t>(key[2]),
                        {value[0], value[1], value[2]},
                        value[3],
-                       value[4]});
+                       value[4],
+                       value[5] != 0.});
   }
   soil.contact.import_history(records, soil.particles.ids());
 }

@@ -22,6 +22,13 @@ std::string find_sharp_edge(const std::size_t number, const double radius, const
                      number, radius, 0.5 * particle);
 }
 
+/// Whether a limit by the smaller of friction and adhesion leaves no room for the adhesion.
+bool adhesion_is_idle(const InterfaceParameters& interface)
+{
+  return interface.limit() == TangentialLimit::smaller && interface.adhesion != 0. &&
+         interface.friction_coefficient == 0. && !interface.bonded.value_or(false);
+}
+
 /// Of a box in world axes that shares nothing with the ground plan of the grid, or in `upwards` axes neither with its
 /// height.
 template <int dim>
@@ -59,6 +66,11 @@ void add_doubts_about_surfaces(const Input& input, const RigidSystems& bodies, c
           dim == 3 ? welded.surface.sharpest_edge_radius() : sharpest_corner_radius(parameters.outline);
       if (const std::string doubt = find_sharp_edge(number, radius, particle); !doubt.empty())
         doubts.push_back(doubt);
+      if (adhesion_is_idle(parameters.interface.or_else(input.contact.interface)))
+        doubts.push_back(
+            fmt::format("the adhesion of surface {} has no effect: the smaller of it and a friction of zero "
+                        "is zero; set \"tangential limit\" to \"sum\"",
+                        number));
       const auto box = world_bounds(bodies, welded);
       if (lies_beside<dim>(box[0], box[1], grid, false)) // its height may be found by placing it on the soil
         doubts.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",

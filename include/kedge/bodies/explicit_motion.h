@@ -18,7 +18,7 @@ public:
 
   /// Lets loads (N, N m about the points where they stand, world axes; empty: none) and gravity (m/s2) act on the free
   /// dofs for a time, s.
-  void kick(const PointLoads& loads, const Eigen::Vector3d& gravity, double time);
+  void kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, double time);
 
   /// Moves on by a time, s, that is a `fraction` of an uncut step. Returns why it could not, or nothing.
   std::string drift(double fraction, double time);

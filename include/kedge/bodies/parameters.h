@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <kedge/bodies/interface.h>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,7 @@ struct SurfaceParameters
   std::string stl;                            ///< path, already resolved against the input file
   std::vector<std::array<double, 2>> outline; ///< 2-D only, [x, z]
   unsigned int point = 1;                     ///< numbered from 1
+  InterfaceParameters interface;              ///< what differs from "contact"
 };
 
 struct TrackedNodeParameters

@@ -17,12 +17,8 @@ struct FreeDof
 /// The unknowns in the order of residual and tangent.
 std::vector<FreeDof> free_dofs(const RigidSystems& systems);
 
-/// Force (N) and moment (N m, about the point where it stands at the end of the step) on each point, world axes, as
-/// Contact::loads() returns them. Empty: no loads.
-using PointLoads = std::vector<Vector6>;
-
-/// Balance at given increments. Loads count as constant in world axes: a caller whose loads depend on the increments
-/// subtracts generalised_map()^T d load / d increments from the tangent.
+/// Balance at given increments; no loads count as zero. Loads count as constant in world axes: a caller whose loads
+/// depend on the increments subtracts generalised_map()^T d load / d increments from the tangent.
 struct RigidBalance
 {
   std::vector<Vector6>
@@ -34,7 +30,7 @@ struct RigidBalance
 };
 
 RigidBalance rigid_balance(const RigidSystems& systems, const RigidStep& step, const std::vector<Vector6>& increments,
-                           const PointLoads& loads = {});
+                           const BodyLoads& loads = {});
 
 /// Turns increment rates into velocity and spin at the end of the step: diag(1, T(theta)). Its transpose takes force
 /// and moment in world axes to the forces conjugate to the increments.

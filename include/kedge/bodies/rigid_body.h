@@ -5,11 +5,15 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <kedge/bodies/parameters.h>
+#include <vector>
 
 namespace kedge
 {
 /// Three translations (m) and the rotation vector (rad), both along world axes.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Force (N) and moment (N m, about the point where it stands at the end of the step) on each rigid point, world axes.
+using BodyLoads = std::vector<Vector6>;
 
 /// A vector of the input in world axes: plane strain happens in the plane y = 0, its vectors are [x, z].
 Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, unsigned int dim);

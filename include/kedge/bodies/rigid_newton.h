@@ -19,7 +19,7 @@ struct RigidSolution
 /// Finds the increments of a step from start_increments(). Converged when each residual is below `tolerance` times the
 /// terms it is made of. A load on a dof that has neither stiffness nor inertia is a failure that names the dof. Commits
 /// nothing.
-RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const PointLoads& loads = {},
+RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& step, const BodyLoads& loads = {},
                                  double tolerance = 1e-8, unsigned int max_iterations = 20);
 
 /// Name of a dof that can move without resistance because the tangent is singular, such as "point 2 of system 1, about

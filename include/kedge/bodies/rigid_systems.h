@@ -15,6 +15,8 @@ struct WeldedSurface
 {
   Surface surface;
   unsigned int point; ///< from 0, over all systems
+  InterfaceParameters interface {
+  }; ///< what differs from "contact"
 };
 
 struct TrackedNode

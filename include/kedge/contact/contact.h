@@ -10,6 +10,7 @@
 #include <kedge/particles/splitting.h>
 #include <map>
 #include <mpi.h>
+#include <optional>
 
 namespace kedge
 {
@@ -20,9 +21,6 @@ template <int dim> struct ContactParticles
   const std::vector<long long>& id;
   const std::vector<double>&initial_volume, &young; ///< m3 (2-D: m2), Pa
 };
-
-/// Force (N) and moment (N m, about the point) that the soil exerts on each rigid point, summed over all ranks.
-using BodyLoads = std::vector<Vector6>;
 
 /// How contact couples soil and bodies at the last evaluation: exact derivatives, where the motion of a rigid point is
 /// its velocity and spin in world axes (generalised_map turns increments into them).
@@ -45,15 +43,17 @@ struct ContactRecord
   std::int64_t particle;
   std::uint32_t corner, surface;
   double tangential[3]; ///< N, world axes
-  double reference_gap; ///< m, <= 0
+  double reference_gap; ///< m; above 0 only where bonded
   double multiplier;    ///< of the normal force, N; 0 with penalties alone
+  std::uint64_t bonded; ///< 1: also carries tension, 0: does not
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
-/// by penalties in the normal and tangential direction. With multipliers the forces that a solution has found are where
-/// the springs of the next one start, until corners neither penetrate nor hold off (Uzawa's iteration; Simo & Laursen
-/// 1992, doi 10.1016/0045-7949(92)90540-G). Within a step the pairs are fixed; their committed history is kept per
-/// (particle, corner, surface) and follows particles from rank to rank.
+/// by penalties in the normal and tangential direction. On a bonded surface a pair that has touched does not open. With
+/// multipliers the forces that a solution has found are where the springs of the next one start, until corners neither
+/// penetrate nor hold off (Uzawa's iteration; Simo & Laursen 1992, doi 10.1016/0045-7949(92)90540-G). Within a step the
+/// pairs are fixed; their committed history is kept per (particle, corner, surface) and follows particles from rank to
+/// rank.
 template <int dim> class Contact
 {
 public:
@@ -64,15 +64,16 @@ public:
   void find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table, const ContactParticles<dim>& particles,
                   const std::vector<unsigned int>& number, double reach);
 
-  /// Takes the penetration of every pair as its reference, for bodies that are buried from the start.
+  /// Takes the penetration of every pair as its reference, for bodies that are buried from the start. Bonds pairs of
+  /// bonded surfaces that are nearer than half a particle's size where they are.
   void take_reference_gaps(const RigidSystems& bodies);
 
   /// Goes back to the multipliers that the step started with.
   void reset_multipliers();
   /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones.
   void augment(double factor);
-  /// How far corners of the last evaluation that press are from touching, over the tolerance; below 1 augment() has
-  /// nothing left to do, as always without multipliers. Collective.
+  /// How far corners of the last evaluation that press or pull are from touching, over the tolerance; below 1 augment()
+  /// has nothing left to do, as always without multipliers. Collective.
   double excess() const;
 
   /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes
@@ -90,7 +91,7 @@ public:
   /// these held. Collective.
   double largest_body_frequency(const RigidSystems& bodies) const;
 
-  /// Loads of the last evaluation on the bodies. Collective.
+  /// What the soil exerts on the bodies in the last evaluation, summed over all ranks. Collective.
   BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
 
   /// Derivatives of the last evaluation. Collective.
@@ -99,7 +100,8 @@ public:
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
   void commit();
 
-  /// Gives the history of split particles to their children. Tractions are interpolated between the parent's corners,
+  /// Gives the history of split particles to their children. A child's corner is bonded where all corners of the
+  /// parent's edge or face that it lies on are. Tractions are interpolated between the parent's corners,
   /// where corners without history carry none, so that the sum of the forces is kept. Reference gaps are
   /// interpolated between the corners that have one alone: too deep a reference pushes nothing and finds the true gap
   /// in the next step, one that is not deep enough would push at once. Call after split_particles and, with several
@@ -117,11 +119,12 @@ public:
   /// Smallest gap of a corner of each particle in the last evaluation (m), `moved` being the bodies at its end;
   /// infinite beyond a particle's size, and missing for particles without pairs.
   std::map<long long, double> smallest_gaps(const RigidSystems& moved) const;
-  /// Contact points of the last evaluation that press, over all ranks.
+  /// Pairs of the last evaluation that press or are bonded, over all ranks.
   long long n_active() const;
   /// Deepest penetration of the last evaluation, m, over all ranks.
   double deepest_penetration() const;
-  /// Force on the soil (N), position (m) and surface of every corner of this rank that pressed in the last evaluation.
+  /// Force on the soil (N), position (m) and surface of every pair of this rank that pressed or was bonded in the last
+  /// evaluation.
   struct Touch
   {
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
@@ -142,8 +145,9 @@ private:
   struct History
   {
     Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
-    double reference_gap = 0.;                            ///< m, <= 0
+    double reference_gap = 0.;                            ///< m; above 0 only where bonded
     double multiplier = 0.;                               ///< of the normal force, N
+    bool bonded = false;                                  ///< also carries tension
   };
   static ContactRecord to_record(const Key& key, const History& state);
   void enter(const ContactRecord& record);
@@ -154,17 +158,25 @@ private:
     unsigned int point;    ///< of PointForces
     Eigen::Vector3d start; ///< corner at the start of the step, m
     ContactStiffness stiffness;
-    double size = 0.; ///< of the particle, m
+    double size = 0.;   ///< of the particle, m
+    bool bonds = false; ///< whether the surface is one that bonds what touches it
     History committed, trial;
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
     KnownDistance known;         ///< in the body's frame
+    std::optional<ClosestPoint> bonding_plane; ///< bonded: of the corner at the start of the step, in the body's frame
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
   Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
+  /// Where a bonded corner is against the tangent plane of the surface at the start of the step; `slip` is its motion
+  /// since then in the body's frame, m.
+  static std::optional<ClosestPoint> closest_on_bonding_plane(Pair& pair, const Surface& surface, const Pose& before,
+                                                              const Eigen::Vector3d& slip);
+  /// Forces and trial history of a pair at its position, its body having moved.
+  void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
 
   ContactParameters parameters;
   MPI_Comm communicator;

@@ -1,10 +1,11 @@
-// The law of one contact point: penalty in the normal direction, elastic stick and Coulomb slip across it, both from
-// where multipliers have brought them.
+// The law of one contact point: penalty in the normal direction, elastic stick and slip by friction and adhesion across
+// it, both from where multipliers have brought them.
 #pragma once
 
 #include <Eigen/Core>
 #include <cmath>
 #include <kedge/base/kokkos.h>
+#include <kedge/bodies/interface.h>
 
 namespace kedge
 {
@@ -12,6 +13,8 @@ struct ContactStiffness
 {
   double normal, tangential; ///< N/m
   double friction;           ///< Coulomb coefficient
+  double adhesion = 0.;      ///< N: adhesion times the corner's share of the particle's face
+  TangentialLimit limit = TangentialLimit::friction;
 };
 
 /// Where a soil point is relative to a body, and how it got there.
@@ -34,15 +37,46 @@ struct ContactResponse
   bool active = false, sliding = false;
 };
 
+/// Largest tangential force, and how it grows with the pressure.
+struct SlipLimit
+{
+  double force; ///< N
+  double slope; ///< d force / d pressure
+};
+
+/// With the pressure p (N; negative: tension), p+ = max(p, 0), friction coefficient mu and adhesion a A (N):
+///   friction  mu p+             (Coulomb)
+///   smaller   min(mu p+, a A)   (undrained clay: Rowe & Davis 1982, doi 10.1680/geot.1982.32.1.9)
+///   sum       a A + mu p+       (Potyondy 1961, doi 10.1680/geot.1961.11.4.339)
+/// A bonded point has the adhesion at any pressure: "smaller" is a A there. Each form is continuous for all p of a
+/// bonded point and for p > 0 of any other, which carries nothing at p <= 0: there "sum" alone falls from a A to zero.
+KEDGE_FUNCTION SlipLimit slip_limit(const ContactStiffness& stiffness, const double pressure, const bool bonded)
+{
+  const SlipLimit friction =
+      pressure > 0. ? SlipLimit{stiffness.friction * pressure, stiffness.friction} : SlipLimit{0., 0.};
+  switch (stiffness.limit)
+  {
+    case TangentialLimit::friction:
+      return friction;
+    case TangentialLimit::smaller:
+      return bonded || friction.force > stiffness.adhesion ? SlipLimit{stiffness.adhesion, 0.} : friction;
+    case TangentialLimit::sum:
+      return {stiffness.adhesion + friction.force, friction.slope};
+  }
+  return {0., 0.}; // no other limit exists
+}
+
 /// Return mapping on the tangential force (Wriggers 2006, Computational Contact Mechanics, ch. 5; Bird et al. 2025,
 /// arXiv:2412.01565). `previous` is the tangential force at the start of the step, already turned with the body, or its
-/// multiplier; `multiplier` (N) is that of the normal force: the pressure of a corner that just touches.
+/// multiplier; `multiplier` (N) is that of the normal force: the pressure of a corner that just touches. The normal
+/// spring of a `bonded` point pulls too (no breakaway: Rowe & Davis 1982).
 KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, const ContactStiffness& stiffness,
-                                                  const Eigen::Vector3d& previous, const double multiplier = 0.)
+                                                  const Eigen::Vector3d& previous, const double multiplier = 0.,
+                                                  const bool bonded = false)
 {
   ContactResponse response;
   const double pressure = multiplier - stiffness.normal * at.gap;
-  if (!(pressure > 0.))
+  if (!(pressure > 0.) && !bonded)
     return response;
   response.active = true;
   const Eigen::Vector3d& n = at.normal;
@@ -56,13 +90,14 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
     turning = (at.normal_subspace - across) * (1. / at.distance);
   response.tangent = pressure * turning - stiffness.normal * across;
 
-  if (stiffness.friction == 0.)
+  const SlipLimit limit = slip_limit(stiffness, pressure, bonded);
+  if (limit.force == 0. && limit.slope == 0.)
     return response;
   const Eigen::Vector3d elastic = previous - stiffness.tangential * at.slip, trial = along * elastic;
   const Eigen::Matrix3d trial_change =
       -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
-  const double size = std::sqrt(trial.dot(trial)), limit = stiffness.friction * pressure;
-  if (size <= limit)
+  const double size = std::sqrt(trial.dot(trial));
+  if (size <= limit.force)
   {
     response.tangential = trial;
     response.tangent += trial_change;
@@ -71,9 +106,9 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
   {
     response.sliding = true;
     const Eigen::Vector3d direction = trial * (1. / size);
-    response.tangential = limit * direction;
-    response.tangent -= stiffness.friction * stiffness.normal * direction * n.transpose();
-    response.tangent += (limit / size) * (trial_change - direction * (direction.transpose() * trial_change));
+    response.tangential = limit.force * direction;
+    response.tangent -= limit.slope * stiffness.normal * direction * n.transpose();
+    response.tangent += (limit.force / size) * (trial_change - direction * (direction.transpose() * trial_change));
   }
   response.force += response.tangential;
   return response;

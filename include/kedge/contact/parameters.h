@@ -1,10 +1,7 @@
 // What the input says of contact between soil and bodies.
 #pragma once
 
-namespace kedge::schema
-{
-template <typename T> class Section;
-}
+#include <kedge/bodies/interface.h>
 
 namespace kedge
 {
@@ -16,7 +13,7 @@ enum class ContactMethod
 
 struct ContactParameters
 {
-  double friction_coefficient = 0.;
+  InterfaceParameters interface; ///< of surfaces that do not say otherwise
   ContactMethod method = ContactMethod::penalty;
   double normal_penalty_factor = 5.;
   double tangential_penalty_factor = 2.5;

@@ -26,7 +26,7 @@ void step_explicitly(RigidSystems& systems, const unsigned int n, const double d
   motion.commit(systems, 1.);
 }
 
-PointLoads none(const std::vector<Vector6>&) { return {}; }
+BodyLoads none(const std::vector<Vector6>&) { return {}; }
 
 TEST(ExplicitMotion, FallsAndSpinsExactly)
 {
@@ -57,7 +57,7 @@ TEST(ExplicitMotion, PrescribedPointsMoveEvenlyAndAreNotKicked)
   RigidSystems systems = chain({point_at({}, false, 5.)}, {});
   systems.points[0].conditions[0] = {DofCondition::Kind::prescribed, 0.2};
   systems.points[0].conditions[5] = {DofCondition::Kind::prescribed, 0.3};
-  const auto push = [](const std::vector<Vector6>&) { return PointLoads{Vector6::Ones()}; };
+  const auto push = [](const std::vector<Vector6>&) { return BodyLoads{Vector6::Ones()}; };
   step_explicitly(systems, 4, 0.05, down, push);
   const RigidPoint& body = systems.points[0];
   EXPECT_NEAR((body.pose.position - Vector3d(0.2, 0., 0.)).norm(), 0., 1e-15);
@@ -76,7 +76,7 @@ TEST(ExplicitMotion, ABodyOnASpringSwingsAsVelocityVerletHasIt)
   {
     const double x = systems.points[0].pose.position[0];
     const auto spring = [&](const std::vector<Vector6>& moved) {
-      return PointLoads{increment({-stiffness * (x + moved[0][0]), 0., 0.}, Vector3d::Zero())};
+      return BodyLoads{increment({-stiffness * (x + moved[0][0]), 0., 0.}, Vector3d::Zero())};
     };
     step_explicitly(systems, n, dt, Vector3d::Zero(), spring, i == 0);
   }

@@ -123,7 +123,7 @@ TEST(RigidBalance, TangentIsTheDerivative)
   const RigidSystems systems = mechanism();
   const std::vector<FreeDof> dofs = free_dofs(systems);
   ASSERT_EQ(dofs.size(), 15u);
-  const PointLoads loads(3, increment({1., 2., -3.}, {5., -4., 3.}));
+  const BodyLoads loads(3, increment({1., 2., -3.}, {5., -4., 3.}));
   for (const double dt : {0., 0.1})
   {
     RigidStep step = dynamic_step(dt, 0.3, 0.7);
@@ -171,7 +171,7 @@ TEST(RigidBalance, LoadsActAboutTheMovedPoint)
 {
   // A moment given in world axes turns a body about that axis, whatever the rotation of the step.
   RigidSystems systems = lone_body({2., 2., 2.}, increment(Vector3d::Zero(), {1., 0., 0.}));
-  const PointLoads loads = {increment({3., 0., 0.}, {0., 0.8, 0.})};
+  const BodyLoads loads = {increment({3., 0., 0.}, {0., 0.8, 0.})};
   const RigidStep step = dynamic_step(0.01, 0.5, 1., 0.);
   for (int i = 0; i < 100; ++i)
     advance(systems, step, loads);
@@ -219,7 +219,7 @@ TEST(RigidMotion, UnsupportedDofIsNamed)
   first.points = {point_at({}, false)};
   second.points = {point_at({}, false), slider};
   const RigidSystems loose = make_rigid_systems({first, second}, 3);
-  const RigidSolution solution = solve_rigid_motion(loose, step, PointLoads(3, Vector6::Ones()));
+  const RigidSolution solution = solve_rigid_motion(loose, step, BodyLoads(3, Vector6::Ones()));
   EXPECT_FALSE(solution.converged);
   EXPECT_NE(solution.failure.find("point 2 of system 2, along y"), std::string::npos) << solution.failure;
 

@@ -98,7 +98,7 @@ inline RigidStep dynamic_step(double dt, double beta, double gamma, double g = g
 }
 
 /// Takes a step, which must converge; returns the solution that was committed.
-inline RigidSolution advance(RigidSystems& systems, const RigidStep& step, const PointLoads& loads = {})
+inline RigidSolution advance(RigidSystems& systems, const RigidStep& step, const BodyLoads& loads = {})
 {
   RigidSolution solution = solve_rigid_motion(systems, step, loads);
   EXPECT_TRUE(solution.converged) << solution.failure;

@@ -172,8 +172,7 @@ TYPED_TEST(PressedBox, FrictionFollowsParticlesFromRankToRank)
   EXPECT_NEAR(before[0], 0.2 * before[2], 1e-6 * before[2]);
   block.contact.commit();
   block.move_everything(step, box_step);
-  block.particles.balance_load(block.mesh, 1000.);
-  block.particles.load();
+  block.particles.balance_load(1000.);
   block.contact.follow_particles(block.particles.ids());
   block.find_pairs();
   block.evaluate_at_rest();

@@ -3,6 +3,7 @@
 #include <kedge/contact/coulomb.h>
 #include <random>
 #include <string>
+#include <tuple>
 
 using namespace kedge;
 
@@ -63,11 +64,10 @@ public:
   }
 
   /// Largest difference between the tangent and differences of the force, over the normal stiffness; points whose
-  /// neighbours stick where they slip do not count.
-  double worst_tangent(const double friction, const double reference, const bool want_sliding,
-                       const double multiplier = 0.)
+  /// neighbours are on another branch of the law do not count.
+  double worst_tangent(const ContactStiffness& stiffness, const double reference, const bool want_sliding,
+                       const double multiplier = 0., const bool bonded = false)
   {
-    const ContactStiffness stiffness{1e6, 5e5, friction};
     double worst = 0.;
     unsigned int compared = 0;
     for (unsigned int n = 0; n < 1000; ++n)
@@ -75,7 +75,14 @@ public:
       const Vector3d x = random_point(), start = x + random_vector(5e-3);
       const Vector3d previous = random_vector(1e3);
       const auto respond = [&](const Vector3d& y)
-      { return respond_to_contact(GetParam().at(y, start, reference), stiffness, previous, multiplier); };
+      { return respond_to_contact(GetParam().at(y, start, reference), stiffness, previous, multiplier, bonded); };
+      const auto branch = [&](const Vector3d& y)
+      {
+        const ContactResponse response = respond(y);
+        const double pressure = multiplier - stiffness.normal * GetParam().at(y, start, reference).gap;
+        const SlipLimit limit = slip_limit(stiffness, pressure, bonded);
+        return std::make_tuple(response.active, response.sliding, limit.slope > 0.);
+      };
       const double step = 1e-5 * x.norm();
       const ContactResponse response = respond(x);
       if (!response.active || response.sliding != want_sliding || GetParam().at(x, start, 0.).distance > -1e-3)
@@ -86,8 +93,8 @@ public:
       {
         const ContactResponse ahead = respond(x + step * Vector3d::Unit(j)),
                               behind = respond(x - step * Vector3d::Unit(j));
-        smooth = smooth && ahead.active && behind.active && ahead.sliding == response.sliding &&
-                 behind.sliding == response.sliding;
+        for (const double side : {-step, step})
+          smooth = smooth && branch(x + side * Vector3d::Unit(j)) == branch(x);
         differences.col(j) = (ahead.force - behind.force) / (2. * step);
       }
       if (!smooth)
@@ -107,19 +114,49 @@ INSTANTIATE_TEST_SUITE_P(, Coulomb, testing::Values(Body{"face", 1}, Body{"edge"
                          [](const auto& info) { return info.param.name; });
 } // namespace
 
-TEST_P(Coulomb, TangentWithoutFriction) { EXPECT_LT(worst_tangent(0., 0., false), 1e-6); }
+TEST_P(Coulomb, TangentWithoutFriction) { EXPECT_LT(worst_tangent({1e6, 5e5, 0.}, 0., false), 1e-6); }
 
-TEST_P(Coulomb, TangentWithAReferenceGap) { EXPECT_LT(worst_tangent(0., -5e-4, false), 1e-6); }
+TEST_P(Coulomb, TangentWithAReferenceGap) { EXPECT_LT(worst_tangent({1e6, 5e5, 0.}, -5e-4, false), 1e-6); }
 
 TEST_P(Coulomb, TangentWithAMultiplier)
 {
-  EXPECT_LT(worst_tangent(0., 0., false, 2e3), 1e-6);
-  EXPECT_LT(worst_tangent(0.3, -5e-4, true, 2e3), 1e-6);
+  EXPECT_LT(worst_tangent({1e6, 5e5, 0.}, 0., false, 2e3), 1e-6);
+  EXPECT_LT(worst_tangent({1e6, 5e5, 0.3}, -5e-4, true, 2e3), 1e-6);
 }
 
-TEST_P(Coulomb, TangentInStick) { EXPECT_LT(worst_tangent(10., 0., false), 1e-6); }
+TEST_P(Coulomb, TangentInStick) { EXPECT_LT(worst_tangent({1e6, 5e5, 10.}, 0., false), 1e-6); }
 
-TEST_P(Coulomb, TangentInSlip) { EXPECT_LT(worst_tangent(0.3, 0., true), 1e-6); }
+TEST_P(Coulomb, TangentInSlip) { EXPECT_LT(worst_tangent({1e6, 5e5, 0.3}, 0., true), 1e-6); }
+
+TEST_P(Coulomb, TangentInSlipByTheAdhesion)
+{
+  EXPECT_LT(worst_tangent({1e6, 5e5, 0.3, 500., TangentialLimit::smaller}, 0., true), 1e-6);
+}
+
+TEST_P(Coulomb, TangentInSlipByTheSum)
+{
+  EXPECT_LT(worst_tangent({1e6, 5e5, 0.1, 500., TangentialLimit::sum}, 0., true), 1e-6);
+}
+
+TEST_P(Coulomb, TangentInStickByTheAdhesionAlone)
+{
+  EXPECT_LT(worst_tangent({1e6, 5e5, 0., 1e5, TangentialLimit::sum}, 0., false), 1e-6);
+}
+
+TEST_P(Coulomb, TangentOfABondedPoint)
+{
+  using Limit = TangentialLimit;
+  constexpr double off = -2e-2, half_off = -6e-3; // reference gaps: all points pull, or some do
+  for (const double reference : {off, half_off})
+    for (const double multiplier : {0., -2e3})
+    {
+      EXPECT_LT(worst_tangent({1e6, 5e5, 0.3, 500., Limit::smaller}, reference, true, multiplier, true), 1e-6);
+      EXPECT_LT(worst_tangent({1e6, 5e5, 0.3, 1e5, Limit::smaller}, reference, false, multiplier, true), 1e-6);
+      EXPECT_LT(worst_tangent({1e6, 5e5, 0.3, 500., Limit::sum}, reference, true, multiplier, true), 1e-6);
+      EXPECT_LT(worst_tangent({1e6, 5e5, 0.3, 1e5, Limit::sum}, reference, false, multiplier, true), 1e-6);
+      EXPECT_LT(worst_tangent({1e6, 5e5, 0., 0., Limit::friction}, reference, false, multiplier, true), 1e-6);
+    }
+}
 
 TEST_P(Coulomb, ForceStaysInTheFrictionCone)
 {
@@ -207,4 +244,57 @@ TEST(ContactResponse, AMultiplierPressesWhereTheCornerJustTouches)
   EXPECT_DOUBLE_EQ(pressure(-1e-3), 3e3);
   EXPECT_DOUBLE_EQ(pressure(1e-3), 1e3); // it lets go only where the spring has taken it back
   EXPECT_EQ(pressure(2.1e-3), 0.);
+}
+
+TEST(SlipLimits, FollowTheirForms)
+{
+  using Limit = TangentialLimit;
+  const auto limit = [](const Limit form, const double pressure, const bool bonded = false) {
+    return slip_limit({1e6, 5e5, 0.4, 100., form}, pressure, bonded).force;
+  };
+  EXPECT_DOUBLE_EQ(limit(Limit::friction, 1e3), 400.);
+  EXPECT_DOUBLE_EQ(limit(Limit::smaller, 1e3), 100.);
+  EXPECT_DOUBLE_EQ(limit(Limit::smaller, 200.), 80.);
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, 1e3), 500.);
+  EXPECT_DOUBLE_EQ(limit(Limit::friction, -1e3, true), 0.);
+  EXPECT_DOUBLE_EQ(limit(Limit::smaller, -1e3, true), 100.);
+  EXPECT_DOUBLE_EQ(limit(Limit::smaller, 200., true), 100.);
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, -1e3, true), 100.);
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, 200., true), 180.);
+}
+
+TEST(BondedPoint, PullsAsItPresses)
+{
+  const Body face{"face", 1};
+  const ContactStiffness stiffness{1e6, 5e5, 0.};
+  for (const double gap : {-1e-3, 0., 1e-3})
+  {
+    const ContactResponse response =
+        respond_to_contact(face.at({0., 0., gap}, {0., 0., gap}, 0.), stiffness, Vector3d::Zero(), 0., true);
+    EXPECT_TRUE(response.active);
+    EXPECT_DOUBLE_EQ(response.force[2], -1e6 * gap);
+  }
+}
+
+TEST(BondedPoint, ForceIsContinuousWhereItBeginsToPull)
+{
+  const Body face{"face", 1};
+  for (const TangentialLimit form : {TangentialLimit::friction, TangentialLimit::smaller, TangentialLimit::sum})
+  {
+    const auto force = [&](const double gap)
+    {
+      return respond_to_contact(face.at({1., 0.5, gap}, {0., 0., gap}, 0.), {1e6, 5e5, 0.4, 100., form},
+                                Vector3d::Zero(), 0., true)
+          .force;
+    };
+    EXPECT_LT((force(1e-9) - force(-1e-9)).norm(), 2e-9 * 1.5e6);
+  }
+}
+
+TEST(CoulombLaw, AdhesionHoldsWithoutFriction)
+{
+  const Body face{"face", 1};
+  const ContactResponse response = respond_to_contact(face.at({1., 0., -1e-3}, {0., 0., -1e-3}, 0.),
+                                                      {1e6, 5e5, 0., 100., TangentialLimit::sum}, Vector3d::Zero());
+  EXPECT_NEAR(response.force[0], -100., 1e-9);
 }

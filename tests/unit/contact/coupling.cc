@@ -35,14 +35,25 @@ template <int dim> Forces<dim> forces_at(test::PressedBlock<dim>& block, const V
   const PointForces& points = block.evaluate([](const auto& x, unsigned int d) { return wave(d, x[0]); }, increment);
   return {points.force, block.load()};
 }
-} // namespace
 
-TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
+/// A bonded box that has touched the soil and now tilts as it rises: one side pulls, the other presses.
+template <int dim> Vector6 bond(test::PressedBlock<dim>& block, const TangentialLimit limit)
 {
-  constexpr int dim = TypeParam::value;
-  test::PressedBlock<dim> block(0.4, 0.01);
+  InterfaceParameters& interface = block.bodies.surfaces[0].interface;
+  interface.bonded = true;
+  interface.adhesion = 2e4;
+  interface.tangential_limit = limit;
   block.find_pairs(0.1);
-  const Vector6 at = motion<dim>();
+  block.evaluate_at_rest();
+  block.contact.commit();
+  block.find_pairs(0.1);
+  Vector6 rise = motion<dim>();
+  rise[2] = 0.01;
+  return rise;
+}
+
+template <int dim> void compare_by_the_body(test::PressedBlock<dim>& block, const Vector6& at)
+{
   forces_at<dim>(block, at);
   const ContactCoupling coupling = block.contact.coupling(block.bodies, {at});
   // rates of the increments are velocity and, through the tangent of the exponential map, spin
@@ -78,12 +89,8 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
   }
 }
 
-TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
+template <int dim> void compare_by_the_soil(test::PressedBlock<dim>& block, const Vector6& at)
 {
-  constexpr int dim = TypeParam::value;
-  test::PressedBlock<dim> block(0.4, 0.01);
-  block.find_pairs(0.1);
-  const Vector6 at = motion<dim>();
   const auto load_at = [&](const double share, const unsigned int axis)
   {
     block.evaluate(
@@ -108,5 +115,36 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
     for (unsigned int i = 0; i < 6; ++i)
       exact[i] = sum_over_ranks(exact[i], MPI_COMM_WORLD);
     EXPECT_LT((difference - exact).norm(), 1e-6 * difference.norm()) << "axis " << axis;
+  }
+}
+} // namespace
+
+TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
+{
+  test::PressedBlock<TypeParam::value> block(0.4, 0.01);
+  block.find_pairs(0.1);
+  compare_by_the_body(block, motion<TypeParam::value>());
+}
+
+TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
+{
+  test::PressedBlock<TypeParam::value> block(0.4, 0.01);
+  block.find_pairs(0.1);
+  compare_by_the_soil(block, motion<TypeParam::value>());
+}
+
+TYPED_TEST(ContactCouplings, OfABondedBoxAreTheDerivatives)
+{
+  for (const TangentialLimit limit : {TangentialLimit::smaller, TangentialLimit::sum})
+  {
+    test::PressedBlock<TypeParam::value> block(0.4, 0.01);
+    const Vector6 rise = bond(block, limit);
+    compare_by_the_body(block, rise);
+    compare_by_the_soil(block, rise);
+    long long pulls = 0, presses = 0;
+    for (const auto& touch : block.contact.touches())
+      (touch.force[2] > 0. ? pulls : presses) += 1;
+    EXPECT_GT(sum_over_ranks(pulls, MPI_COMM_WORLD), 0);
+    EXPECT_GT(sum_over_ranks(presses, MPI_COMM_WORLD), 0);
   }
 }

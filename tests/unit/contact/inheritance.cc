@@ -17,7 +17,6 @@ public:
   {
     block.contact.commit();
     block.contact.inherit(split_particles(block.particles, block.mesh, 2u << times));
-    block.particles.load();
     block.contact.follow_particles(block.particles.ids());
     block.find_pairs();
     block.evaluate_at_rest();

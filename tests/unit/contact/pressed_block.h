@@ -2,34 +2,25 @@
 #pragma once
 
 #include "../bodies/shapes.h"
-#include "../mesh/refined_mesh.h"
-#include "../on_host.h"
+#include "../soil_fixture.h"
 #include <kedge/basis/active_nodes.h>
-#include <kedge/contact/contact.h>
-#include <kedge/particles/generation.h>
 
 namespace kedge::test
 {
 /// Soil of 4 (by 4) by 2 cells of 0.5 m with 2 particles per axis, its surface at 1 m. The box covers the middle of the
 /// surface, from 0.4 to 1.6 m along each horizontal axis unless told; corners of particles lie at multiples of 0.25 m.
-template <int dim> struct PressedBlock
+template <int dim> struct PressedBlock : SoilFixture<dim>
 {
   static constexpr double young = 1e7, spacing = 0.25;
   using Position = std::array<double, dim>;
+  using SoilFixture<dim>::contact;
+  using SoilFixture<dim>::mesh;
+  using SoilFixture<dim>::particles;
 
   /// `depth`: how far the lower face of the box lies below the surface, m. `half_length`: of the box, m.
   PressedBlock(const double friction, const double depth, const double half_length = 0.6)
-      : mesh(MPI_COMM_WORLD, layout()), particles(mesh), contact(contact_parameters(friction), MPI_COMM_WORLD)
+      : SoilFixture<dim>(layout(), layers_of({elastic_layer(1., 2000., young)}), 10., contact_parameters(friction))
   {
-    MaterialPointParameters parameters;
-    Layer layer;
-    layer.thickness = 1.;
-    layer.material.young = young;
-    layer.material.density = 2000.;
-    parameters.layers = {layer};
-    generate_particles(particles, mesh, parameters, 10.);
-    particles.balance_load(mesh, 20.);
-    particles.load();
     // y = 0 is far from the ends of the plane's box
     const double back = dim == 3 ? -half_length : -50., front = dim == 3 ? half_length : 50.;
     bodies.points.emplace_back();
@@ -47,7 +38,7 @@ template <int dim> struct PressedBlock
   static ContactParameters contact_parameters(const double friction)
   {
     ContactParameters parameters;
-    parameters.friction_coefficient = friction;
+    parameters.interface.friction_coefficient = friction;
     return parameters;
   }
 
@@ -102,27 +93,10 @@ template <int dim> struct PressedBlock
   /// Moves soil and box by the same displacement.
   void move_everything(const Position& displacement, const Vector6& box_increment)
   {
-    ParticleIncrements increments;
-    increments.displacement = View<double* [3]>("displacement", particles.ids().size());
-    increments.deformation_gradient = View<double* [9]>("dF", particles.ids().size());
-    const auto u = Kokkos::create_mirror_view(increments.displacement);
-    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
-    for (std::size_t p = 0; p < particles.ids().size(); ++p)
-      for (unsigned int d = 0; d < 3; ++d)
-      {
-        u(p, d) = d < dim ? displacement[d] : 0.;
-        f(p, 4 * d) = 1.;
-      }
-    Kokkos::deep_copy(increments.displacement, u);
-    Kokkos::deep_copy(increments.deformation_gradient, f);
-    particles.commit(increments, DomainUpdate::none);
-    particles.load();
+    this->move([&](long long, const unsigned int d) { return displacement[d]; });
     bodies.points[0].pose = bodies.points[0].pose.moved(box_increment);
   }
 
-  BackgroundMesh<dim> mesh;
-  ParticleSet<dim> particles;
-  Contact<dim> contact;
   RigidSystems bodies;
   ActiveNodes nodes;
   std::vector<double> increment;

@@ -57,8 +57,13 @@ template <int dim> struct Interrupted : SoilBlock<dim>
     std::vector<ContactRecord> records;
     for (const long long id : this->particles.ids())
       for (std::uint32_t corner = 0; corner < 2 && noise(id, 1) < 0.4; ++corner)
-        records.push_back(
-            {id, corner, 1, {noise(id, 2), -noise(id, 3), noise(id, corner)}, -noise(id, 4), noise(id, 5)});
+        records.push_back({id,
+                           corner,
+                           1,
+                           {noise(id, 2), -noise(id, 3), noise(id, corner)},
+                           -noise(id, 4),
+                           noise(id, 5),
+                           noise(id, 6) < 0.5});
     this->contact.import_history(records, this->particles.ids());
 
     for (unsigned int i = 0; i < 2; ++i)

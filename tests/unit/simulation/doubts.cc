@@ -35,6 +35,14 @@ TEST(Doubts, EdgesSharperThanHalfAMaterialPoint)
                "surface 1 has convex edges");
 }
 
+TEST(Doubts, AdhesionThatIsNeverReached)
+{
+  const std::string adhesive = "contact={\"friction coefficient\": 0, \"adhesion\": 1000";
+  expect_doubt(doubts("strip-footing.json", {adhesive + "}"}), "the adhesion of surface 1 has no effect");
+  EXPECT_EQ(doubts("strip-footing.json", {adhesive + ", \"tangential limit\": \"sum\"}"}), std::vector<std::string>());
+  EXPECT_EQ(doubts("strip-footing.json", {adhesive + ", \"bonded\": \"on\"}"}), std::vector<std::string>());
+}
+
 TEST(Doubts, BodiesBesideTheGrid)
 {
   expect_doubt(doubts("plate-anchor-ts.json", {"rigid bodies.0.offset=[5, 0, 0]"}), "surface 1 begins beside the grid");

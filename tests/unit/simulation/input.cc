@@ -190,7 +190,7 @@ TEST(Input, FileNamesAreRelativeToInputFile)
 {
   std::ofstream(files.path / "input_data.json") << drag_anchor();
   const Input input = read_input((files.path / "input_data.json").string(), {"contact.friction coefficient=0.1"});
-  EXPECT_EQ(input.contact.friction_coefficient, 0.1);
+  EXPECT_EQ(input.contact.interface.friction_coefficient, 0.1);
   EXPECT_EQ(input.systems[0].surfaces[0].stl, (files.path / "fluke_round_nose.stl").string());
 }
 

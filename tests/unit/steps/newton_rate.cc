@@ -53,7 +53,7 @@ struct Footing : test::StepFixture<3>
   static ContactParameters contact_parameters(const double friction)
   {
     ContactParameters parameters;
-    parameters.friction_coefficient = friction;
+    parameters.interface.friction_coefficient = friction;
     parameters.normal_penalty_factor = 50.;
     parameters.tangential_penalty_factor = 25.;
     return parameters;

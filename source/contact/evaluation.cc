@@ -1,0 +1,208 @@
+// Forces of all pairs for given motions of soil and bodies, and the multipliers that they leave behind.
+#include <algorithm>
+#include <cmath>
+#include <kedge/base/communication.h>
+#include <kedge/base/world_axes.h>
+#include <kedge/contact/contact.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+/// What a metre of a body's motion takes off the reference gaps of corners that were inside it at the start: over four
+/// times their depth they fade, slowly enough for the soil to give way.
+constexpr double fading_per_distance = 0.25;
+
+Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
+{
+  switch (closest.feature)
+  {
+    case Feature::edge:
+      return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
+    case Feature::vertex:
+      return Eigen::Matrix3d::Identity();
+    default:
+      return closest.normal * closest.normal.transpose();
+  }
+}
+} // namespace
+
+template <int dim>
+Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm communicator_)
+    : parameters(parameters_), communicator(communicator_)
+{
+}
+
+template <int dim>
+Eigen::Vector3d Contact<dim>::corner_displacement(const Pair& pair, const double* nodal_increment) const
+{
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (unsigned int v = points.begin[pair.point]; v < points.begin[pair.point + 1]; ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      u[world_axis(dim, d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
+  return u;
+}
+
+template <int dim>
+const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
+                                          const double* nodal_increment)
+{
+  std::vector<Pose> moved;
+  for (std::size_t i = 0; i < committed.points.size(); ++i)
+    moved.push_back(committed.points[i].pose.moved(increments[i]));
+
+  std::fill(points.force.begin(), points.force.end(), 0.);
+  std::fill(points.tangent.begin(), points.tangent.end(), 0.);
+  touching.clear();
+  for (Pair& pair : pairs)
+  {
+    const WeldedSurface& welded = committed.surfaces[pair.key.surface];
+    pair.position = pair.start + corner_displacement(pair, nodal_increment);
+    respond(pair, welded.surface, committed.points[welded.point].pose, moved[welded.point]);
+    if (!pair.active)
+      continue;
+    touching.push_back({pair.position, pair.force, pair.key.surface});
+    for (unsigned int i = 0; i < dim; ++i)
+    {
+      points.force[3 * pair.point + i] += pair.force[world_axis(dim, i)];
+      for (unsigned int j = 0; j < dim; ++j)
+        points.tangent[9 * pair.point + 3 * i + j] += pair.tangent(world_axis(dim, i), world_axis(dim, j));
+    }
+  }
+  return points;
+}
+
+/// Tension pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to
+/// facet and no Newton iteration comes to rest: within a step a plane stands for the surface.
+template <int dim>
+std::optional<ClosestPoint> Contact<dim>::closest_on_bonding_plane(Pair& pair, const Surface& surface,
+                                                                   const Pose& before, const Eigen::Vector3d& slip)
+{
+  if (!pair.bonding_plane)
+    pair.bonding_plane = surface.closest_point(before.to_body(pair.start));
+  ClosestPoint closest = *pair.bonding_plane;
+  closest.gap += closest.normal.dot(slip);
+  closest.feature = Feature::face;
+  return closest;
+}
+
+template <int dim>
+void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const
+{
+  // a corner that touches nothing keeps no history and no multiplier
+  pair.active = false;
+  pair.force.setZero();
+  pair.gap = std::numeric_limits<double>::infinity();
+  pair.trial = History();
+  pair.proposed = pair.augmented;
+  pair.proposed.multiplier = 0.;
+  pair.proposed.tangential.setZero();
+
+  const bool bonded = pair.committed.bonded;
+  const Eigen::Vector3d x = now.to_body(pair.position), slip = x - before.to_body(pair.start); // as the body sees it
+  const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
+  const auto closest = bonded ? closest_on_bonding_plane(pair, surface, before, slip)
+                              : surface.closest_point_within(x, held_off, pair.known);
+  if (!closest)
+    return;
+  pair.gap = closest->gap;
+  if (bonded) // it stays where it was when it was bonded
+    pair.trial.reference_gap = pair.committed.reference_gap;
+  else
+  {
+    // a corner that comes out of its first penetration finds the true surface when it returns; while its body moves,
+    // the surface comes to meet it
+    const double distance = (now.to_world(before.to_body(pair.start)) - pair.start).norm();
+    pair.trial.reference_gap =
+        std::min(0., std::max(pair.committed.reference_gap + fading_per_distance * distance, closest->gap));
+  }
+
+  ContactGeometry at;
+  at.distance = closest->gap;
+  at.gap = closest->gap - pair.committed.reference_gap;
+  at.normal = now.direction_to_world(closest->normal);
+  const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
+  at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
+  at.slip = now.direction_to_world(slip);
+  const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
+
+  const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier, bonded);
+  pair.active = response.active;
+  pair.force = response.force;
+  pair.tangent = response.tangent;
+  pair.trial.tangential = response.tangential;
+  pair.trial.bonded = bonded || (pair.bonds && response.active);
+  if (response.active && parameters.method == ContactMethod::augmented_lagrangian)
+  {
+    pair.trial.multiplier = pair.proposed.multiplier = response.force.dot(at.normal);
+    pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
+  }
+}
+
+template <int dim> void Contact<dim>::reset_multipliers()
+{
+  for (Pair& pair : pairs)
+    pair.augmented = pair.committed;
+}
+
+template <int dim> void Contact<dim>::augment(const double factor)
+{
+  for (Pair& pair : pairs)
+  {
+    const double before = pair.augmented.multiplier;
+    pair.augmented = pair.proposed;
+    const double after = before + factor * (pair.proposed.multiplier - before);
+    pair.augmented.multiplier = pair.committed.bonded ? after : std::max(0., after); // only what is bonded pulls
+  }
+}
+
+template <int dim> double Contact<dim>::excess() const
+{
+  double worst = 0.;
+  if (parameters.method == ContactMethod::augmented_lagrangian)
+    for (const Pair& pair : pairs)
+      if (pair.active)
+        worst = std::max(worst, std::abs(pair.gap - pair.committed.reference_gap) /
+                                    (parameters.penetration_tolerance * pair.size));
+  return max_over_ranks(worst, communicator);
+}
+
+template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
+{
+  std::map<long long, double> gaps;
+  for (const Pair& pair : pairs)
+  {
+    double gap = pair.gap;
+    if (!std::isfinite(gap)) // evaluations look no farther than what may press
+    {
+      const WeldedSurface& welded = moved.surfaces[pair.key.surface];
+      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.position);
+      if (const auto closest = welded.surface.closest_point_within(x, pair.size))
+        gap = closest->gap;
+    }
+    const auto [entry, is_new] = gaps.emplace(pair.key.particle, gap);
+    if (!is_new)
+      entry->second = std::min(entry->second, gap);
+  }
+  return gaps;
+}
+
+template <int dim> long long Contact<dim>::n_active() const
+{
+  const long long here = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.active; });
+  return sum_over_ranks(here, communicator);
+}
+
+template <int dim> double Contact<dim>::deepest_penetration() const
+{
+  double deepest = 0.;
+  for (const Pair& pair : pairs)
+    if (pair.active)
+      deepest = std::max(deepest, pair.committed.reference_gap - pair.gap);
+  return max_over_ranks(deepest, communicator);
+}
+
+template class Contact<2>;
+template class Contact<3>;
+} // namespace kedge

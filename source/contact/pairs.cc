@@ -1,0 +1,158 @@
+// Which corners may meet which surfaces in a step, where they hang on the nodes, and what their springs are like.
+#include <algorithm>
+#include <cmath>
+#include <kedge/base/world_axes.h>
+#include <kedge/basis/active_nodes.h>
+#include <kedge/contact/contact.h>
+
+namespace kedge
+{
+namespace
+{
+/// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
+constexpr double nudge = 1e-6;
+
+/// Corners of a buried body's neighbours are bonded up to this distance, in sizes of the particle: whatever the
+/// distance of the first row of particles from a face along the axes, one corner of each column lies nearer. Less than
+/// a half by round-off: of two corners on either side of a face only one counts.
+constexpr double bonding_distance = 0.5 - 1e-6;
+
+/// Springs and limits of a corner that stands for its share of a face of its particle (m3, in 2-D m2; young: Pa).
+template <int dim>
+ContactStiffness make_stiffness(const ContactParameters& parameters, const InterfaceParameters& interface,
+                                const double volume, const double young)
+{
+  const double size = std::pow(volume, 1. / dim);
+  const double area = std::pow(size, dim - 1);
+  const double corner_share = dim == 3 ? 0.25 : 0.5; // of the particle's face
+  const double unit = young * area / size * corner_share;
+  return {parameters.normal_penalty_factor * unit, parameters.tangential_penalty_factor * unit,
+          interface.friction_coefficient.value_or(0.), interface.adhesion.value_or(0.) * area * corner_share,
+          interface.limit()};
+}
+
+/// The surfaces whose distance from x (m) is at most `radius`.
+std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen::Vector3d& x, const double radius)
+{
+  std::vector<unsigned int> near;
+  for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
+  {
+    const WeldedSurface& welded = bodies.surfaces[s];
+    const Eigen::Vector3d in_body = bodies.points[welded.point].pose.to_body(x);
+    if (!welded.surface.surely_farther_than(in_body, radius) && welded.surface.closest_point_within(in_body, radius))
+      near.push_back(s);
+  }
+  return near;
+}
+
+/// Adds a corner of a particle to the points, hung on the active nodes of the leaf on its particle's side. False where
+/// there is no such node.
+template <int dim>
+bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& number,
+                const std::array<double, dim>& centre, const std::array<double, dim>& corner, PointForces& points)
+{
+  std::array<double, dim> inside;
+  for (unsigned int d = 0; d < dim; ++d)
+    inside[d] =
+        std::clamp(centre[d] + (corner[d] - centre[d]) * (1. - nudge), 0., table.base_size * table.base_cells[d]);
+  const int leaf = table.find_leaf(inside);
+  if (leaf < 0)
+    return false;
+  // shape functions of this leaf, but at the corner itself, so that moments balance too
+  for (unsigned int d = 0; d < dim; ++d)
+    inside[d] =
+        std::clamp(corner[d], table.leaves[leaf].lower[d], table.leaves[leaf].lower[d] + table.leaves[leaf].size);
+  std::vector<NodeShare<dim>> shares;
+  add_leaf_shape<dim>(table, leaf, inside, 1., shares);
+  // a sliver of the box may reach into a leaf without making all its nodes active
+  shares.erase(std::remove_if(shares.begin(), shares.end(),
+                              [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
+               shares.end());
+  double sum = 0.;
+  for (const NodeShare<dim>& share : shares)
+    sum += share.value;
+  if (!(sum > 0.))
+    return false;
+  for (const NodeShare<dim>& share : shares)
+  {
+    points.nodes.push_back(number[share.node]);
+    points.weights.push_back(share.value / sum);
+  }
+  points.begin.push_back(points.nodes.size());
+  return true;
+}
+} // namespace
+
+template <int dim>
+void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table,
+                              const ContactParticles<dim>& particles, const std::vector<unsigned int>& number,
+                              const double reach)
+{
+  pairs.clear();
+  points = PointForces();
+  std::vector<InterfaceParameters> interfaces;
+  for (const WeldedSurface& welded : bodies.surfaces)
+    interfaces.push_back(welded.interface.or_else(parameters.interface));
+
+  for (std::size_t p = 0; p < particles.centre.size(); ++p)
+  {
+    // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
+    double radius = reach;
+    for (const double half : particles.half_width[p])
+      radius += 2. * half;
+    const std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);
+    if (near.empty())
+      continue;
+    for (unsigned int corner = 0; corner < (1u << dim); ++corner)
+    {
+      std::array<double, dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = particles.centre[p][d] + ((corner >> d) & 1u ? 1. : -1.) * particles.half_width[p][d];
+      const unsigned int point = points.n_points();
+      if (!add_corner<dim>(table, number, particles.centre[p], x, points))
+        continue;
+      // one point for the corner, one pair for each surface that it may touch
+      for (const unsigned int s : near)
+      {
+        Pair pair;
+        pair.key = {particles.id[p], corner, s};
+        pair.point = point;
+        pair.start = to_world<dim>(x);
+        pair.stiffness =
+            make_stiffness<dim>(parameters, interfaces[s], particles.initial_volume[p], particles.young[p]);
+        pair.bonds = interfaces[s].bonded.value_or(false);
+        pair.size = std::pow(particles.initial_volume[p], 1. / dim);
+        if (const auto entry = history.find(pair.key); entry != history.end())
+          pair.committed = entry->second;
+        pair.trial = pair.augmented = pair.committed;
+        pairs.push_back(pair);
+      }
+    }
+  }
+  points.force.assign(3 * points.n_points(), 0.);
+  points.tangent.assign(9 * points.n_points(), 0.);
+}
+
+template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
+{
+  for (Pair& pair : pairs)
+  {
+    const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+    const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
+    const auto closest = welded.surface.closest_point_within(x, pair.bonds ? bonding_distance * pair.size : 0.);
+    if (!closest || !(closest->gap < 0. || pair.bonds))
+      continue;
+    pair.committed.reference_gap = closest->gap;
+    pair.committed.bonded = pair.bonds;
+    pair.trial = pair.augmented = pair.committed;
+    history[pair.key] = pair.committed;
+  }
+}
+
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template void Contact<dim>::find_pairs(const RigidSystems&, const LeafTable<dim>&, const ContactParticles<dim>&,     \
+                                         const std::vector<unsigned int>&, double);                                    \
+  template void Contact<dim>::take_reference_gaps(const RigidSystems&);
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
+} // namespace kedge

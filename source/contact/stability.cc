@@ -1,0 +1,54 @@
+// How stiff the contact springs are: what explicit stages need for their stable step.
+#include <algorithm>
+#include <kedge/contact/contact.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+double stiffest(const ContactStiffness& stiffness) { return std::max(stiffness.normal, stiffness.tangential); }
+} // namespace
+
+template <int dim> std::vector<double> Contact<dim>::point_stiffness() const
+{
+  std::vector<double> result(points.n_points(), 0.);
+  for (const Pair& pair : pairs)
+    result[pair.point] += stiffest(pair.stiffness);
+  return result;
+}
+
+template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystems& bodies) const
+{
+  // stiffness, N/m, and stiffness times the square of the arm, N m, of all springs to a point
+  std::vector<Eigen::Vector2d> springs(bodies.points.size(), Eigen::Vector2d::Zero());
+  for (const Pair& pair : pairs)
+  {
+    const unsigned int point = bodies.surfaces[pair.key.surface].point;
+    const double stiffness = stiffest(pair.stiffness);
+    springs[point] += stiffness * Eigen::Vector2d(1., (pair.start - bodies.points[point].pose.position).squaredNorm());
+  }
+  if (!springs.empty())
+    MPI_Allreduce(MPI_IN_PLACE, springs.data(), 2 * springs.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  double largest = 0.;
+  for (std::size_t i = 0; i < springs.size(); ++i)
+  {
+    const RigidPoint& point = bodies.points[i];
+    double sum = point.is_free(0) || point.is_free(1) || point.is_free(2) ? springs[i][0] / point.mass : 0.;
+    const bool turns_about_all = point.is_free(3) && point.is_free(4) && point.is_free(5);
+    double least = turns_about_all ? point.inertia.minCoeff() : std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d about_axes = point.world_inertia().diagonal();
+    for (unsigned int axis = 0; axis < 3; ++axis)
+      if (point.is_free(3 + axis))
+        least = std::min(least, about_axes[axis]);
+    sum += springs[i][1] / least;
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
+template std::vector<double> Contact<2>::point_stiffness() const;
+template std::vector<double> Contact<3>::point_stiffness() const;
+template double Contact<2>::largest_body_frequency(const RigidSystems&) const;
+template double Contact<3>::largest_body_frequency(const RigidSystems&) const;
+} // namespace kedge
