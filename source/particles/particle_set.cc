@@ -52,11 +52,14 @@ ParticleArrays allocate_arrays(const std::size_t n)
   arrays.initial_volume = View<double*>(view_alloc("volume", WithoutInitializing), n);
   arrays.mass = View<double*>(view_alloc("mass", WithoutInitializing), n);
   arrays.layer = View<unsigned int*>(view_alloc("layer", WithoutInitializing), n);
+  arrays.cell_size = View<double*>(view_alloc("cell size", WithoutInitializing), n);
   arrays.velocity = View<double* [3]>(view_alloc("velocity", WithoutInitializing), n);
   arrays.acceleration = View<double* [3]>(view_alloc("acceleration", WithoutInitializing), n);
   arrays.trial_strain = decltype(arrays.trial_strain)(view_alloc("trial strain", WithoutInitializing), n);
   arrays.trial_stress = decltype(arrays.trial_stress)(view_alloc("trial stress", WithoutInitializing), n);
   arrays.trial_plastic = View<double*>(view_alloc("trial plastic", WithoutInitializing), n);
+  arrays.state = decltype(arrays.state)("state", n);
+  arrays.trial_state = decltype(arrays.trial_state)("trial state", n);
   return arrays;
 }
 } // namespace
@@ -108,6 +111,7 @@ template <int dim> void ParticleSet<dim>::load()
   auto volume = Kokkos::create_mirror_view(mirror.initial_volume);
   auto mass = Kokkos::create_mirror_view(mirror.mass);
   auto layer = Kokkos::create_mirror_view(mirror.layer);
+  auto cell_size = Kokkos::create_mirror_view(mirror.cell_size);
   auto velocity = Kokkos::create_mirror_view(mirror.velocity);
   auto acceleration = Kokkos::create_mirror_view(mirror.acceleration);
   auto strain = Kokkos::create_mirror_view(mirror.trial_strain);
@@ -137,6 +141,7 @@ template <int dim> void ParticleSet<dim>::load()
     volume(p) = data[field::initial_volume];
     mass(p) = data[field::mass];
     layer(p) = static_cast<unsigned int>(data[field::layer]);
+    cell_size(p) = mesh.leaves().leaves[leaf[p]].size;
   }
 
   Kokkos::deep_copy(mirror.elastic_left_cauchy_green, b);
@@ -144,6 +149,7 @@ template <int dim> void ParticleSet<dim>::load()
   Kokkos::deep_copy(mirror.initial_volume, volume);
   Kokkos::deep_copy(mirror.mass, mass);
   Kokkos::deep_copy(mirror.layer, layer);
+  Kokkos::deep_copy(mirror.cell_size, cell_size);
   Kokkos::deep_copy(mirror.velocity, velocity);
   Kokkos::deep_copy(mirror.acceleration, acceleration);
   Kokkos::deep_copy(mirror.trial_strain, strain);

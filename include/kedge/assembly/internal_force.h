@@ -5,16 +5,10 @@
 #include <kedge/assembly/nodal_exchange.h>
 #include <kedge/basis/cell_groups.h>
 #include <kedge/materials/material.h>
-#include <kedge/materials/parameters.h>
 #include <kedge/particles/arrays.h>
 
 namespace kedge
 {
-using Materials = View<Material*>;
-
-/// The laws of the layers, in their order, on the device.
-Materials upload_materials(const std::vector<MaterialParameters>& parameters);
-
 /// Computes every particle's trial state from the nodal increments (m) and adds its internal force (N) to `force`:
 /// f_v += V0 tau grad_x S_v, grad_x S = dF^-T grad S (Charlton, Coombs & Augarde 2017). Returns the number of particles
 /// of this rank whose increment is not admissible (det dF <= 0); their force is left out. Here and below, `cells` turn

@@ -1,7 +1,7 @@
 // Particle data as the kernels see them: plain arrays, one entry per particle of this rank.
 #pragma once
 
-#include <kedge/base/kokkos.h>
+#include <kedge/materials/laws.h>
 
 namespace kedge
 {
@@ -10,12 +10,14 @@ namespace kedge
 struct ParticleArrays
 {
   std::size_t n = 0;
-  View<double* [6]> elastic_left_cauchy_green; ///< committed: exp(2 eps_e)
-  View<double*> young, initial_volume, mass;   ///< committed
-  View<unsigned int*> layer;                   ///< committed
-  View<double*[3]> velocity, acceleration;     ///< committed, m/s, m/s2
-  View<double*[6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
-  View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
+  View<double* [6]> elastic_left_cauchy_green;         ///< committed: exp(2 eps_e)
+  View<double*> young, initial_volume, mass;           ///< committed
+  View<unsigned int*> layer;                           ///< committed
+  View<double*> cell_size;                             ///< edge of the cell in which the particle is, m
+  View<double*[3]> velocity, acceleration;             ///< committed, m/s, m/s2
+  View<double*[6]> trial_strain, trial_stress;         ///< elastic logarithmic strain; Kirchhoff stress, Pa
+  View<double*> trial_plastic;                         ///< increment of the equivalent plastic strain
+  View<double * [Laws::max_state]> state, trial_state; ///< the laws' state variables: committed; at the step's end
 };
 
 /// What a dynamic step makes of the particles' motion.

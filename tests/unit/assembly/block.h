@@ -21,16 +21,25 @@ inline Materials laws_of(const std::vector<Layer>& layers)
   return upload_materials(parameters);
 }
 
-inline MaterialParameters soil(const MaterialType type)
+template <typename Law> MaterialParameters soil()
 {
   MaterialParameters parameters;
-  parameters.type = type;
+  parameters.law = law_index<Law>;
   parameters.young = 1e7;
   parameters.poisson = 0.3;
   parameters.density = 2000.;
-  parameters.friction_angle = 20.;
-  parameters.dilation_angle = 5.;
-  parameters.cohesion = 2e3;
+  parameters.constants.values = {{"friction angle", 20.}, {"dilation angle", 5.}, {"cohesion", 2e3}};
+  return parameters;
+}
+
+/// A law with memory.
+inline MaterialParameters softening_soil()
+{
+  MaterialParameters parameters = soil<MohrCoulomb>();
+  parameters.constants.values["critical friction angle"] = 15.;
+  parameters.constants.values["critical dilation angle"] = 0.;
+  parameters.constants.values["softening strain"] = 0.1;
+  parameters.constants.values["shear band width"] = 0.2;
   return parameters;
 }
 
@@ -100,11 +109,12 @@ template <int dim> struct Block
 {
   static constexpr double cell = 0.3;
 
-  explicit Block(const MaterialType type, const MPI_Comm communicator = MPI_COMM_WORLD, const bool stressed = true)
+  explicit Block(const MaterialParameters& material, const MPI_Comm communicator = MPI_COMM_WORLD,
+                 const bool stressed = true)
       : mesh(communicator, layout()), particles(mesh)
   {
     MaterialPointParameters parameters;
-    parameters.layers = {{1., soil(type)}};
+    parameters.layers = {{1., material}};
     materials = laws_of(parameters.layers);
     generate_particles(particles, mesh, parameters, 9.81);
     if (stressed)

@@ -23,13 +23,12 @@ struct Footing
     MaterialPointParameters& soil = input.material_points;
     Layer layer;
     layer.thickness = 1.;
-    layer.material.type = MaterialType::mohr_coulomb;
+    layer.material.law = law_index<MohrCoulomb>;
     layer.material.young = 1e7;
     layer.material.poisson = 0.3;
     layer.material.density = 2000.;
-    layer.material.friction_angle = 30.;
-    layer.material.dilation_angle = 10.;
-    layer.material.cohesion = 1e4; // enough to keep away from the apex, whose tangent is stiffer than the exact one
+    // cohesion enough to keep away from the apex, whose tangent is stiffer than the exact one
+    layer.material.constants.values = {{"friction angle", 30.}, {"dilation angle", 10.}, {"cohesion", 1e4}};
     soil.layers = {layer};
     soil.K0 = 0.5;
     stage.rigid_bodies = true;
@@ -39,10 +38,7 @@ struct Footing
 
     generate_particles(particles, mesh, soil, 9.81);
     particles.load();
-    materials = Materials("materials", 1);
-    const auto host = Kokkos::create_mirror_view(materials);
-    host(0) = make_material(layer.material);
-    Kokkos::deep_copy(materials, host);
+    materials = upload_materials({layer.material});
 
     bodies.points.emplace_back();
     bodies.points[0].pose.position = {0.5, 0.5, 1.};
@@ -152,8 +148,8 @@ TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
   Footing footing(0.3);
   MaterialParameters clay =
       footing.input.material_points.layers[0].material; // has no apex, which the impact would reach
-  clay.type = MaterialType::von_mises;
-  clay.yield_stress = 3e4;
+  clay.law = law_index<VonMises>;
+  clay.constants.values = {{"yield stress", 3e4}};
   footing.materials = upload_materials({clay});
   RigidPoint& point = footing.bodies.points[0];
   point.mass = 2000.;
