@@ -61,16 +61,17 @@ ParticleArrays make_arrays(const std::size_t n, const double volume)
   arrays.trial_strain = View<double* [6]>("strain", n);
   arrays.trial_stress = View<double* [6]>("stress", n);
   arrays.trial_plastic = View<double*>("plastic", n);
+  arrays.cell_size = View<double*>("cell size", n);
+  arrays.state = arrays.trial_state = View<double * [Laws::max_state]>("state", n);
   return arrays;
 }
 
 Materials make_materials()
 {
   MaterialParameters parameters;
-  parameters.type = MaterialType::elastic;
   parameters.young = parameters.density = 1.;
   parameters.poisson = 0.;
-  return upload(std::vector<Material>{make_material(parameters)}, "materials");
+  return upload_materials({parameters});
 }
 
 /// What `add` puts into the system's values.

@@ -19,26 +19,21 @@ constexpr double cell = 0.25;
 /// reaches into the neighbouring cells: 27 nodes per particle instead of 8.
 struct Block
 {
-  Block(const MaterialType type, const double shift) : mesh(MPI_COMM_SELF, layout()), particles(mesh)
+  Block(const unsigned int law, const double shift) : mesh(MPI_COMM_SELF, layout()), particles(mesh)
   {
     MaterialPointParameters parameters;
     Layer layer;
     layer.thickness = cells * cell;
-    layer.material.type = type;
+    layer.material.law = law;
     layer.material.young = 1e7;
     layer.material.poisson = 0.3;
     layer.material.density = 2000.;
-    layer.material.friction_angle = 35.;
-    layer.material.dilation_angle = 5.;
-    layer.material.cohesion = 1e3;
+    layer.material.constants.values = {{"friction angle", 35.}, {"dilation angle", 5.}, {"cohesion", 1e3}};
     parameters.layers = {layer};
     parameters.K0 = 0.5;
     generate_particles(particles, mesh, parameters, 9.81);
     move(shift);
-    materials = Materials("materials", 1);
-    const auto host = Kokkos::create_mirror_view(materials);
-    host(0) = make_material(layer.material);
-    Kokkos::deep_copy(materials, host);
+    materials = upload_materials({layer.material});
     discretise();
   }
 
@@ -122,17 +117,17 @@ struct Block
   NodalVector increment, force;
 };
 
-void stress_and_force(benchmark::State& state, const MaterialType type, const double shift)
+void stress_and_force(benchmark::State& state, const unsigned int law, const double shift)
 {
-  const Block block(type, shift);
+  const Block block(law, shift);
   for (auto _ : state)
     update_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.force);
   block.report(state);
 }
 
-void tangent(benchmark::State& state, const MaterialType type, const double shift)
+void tangent(benchmark::State& state, const unsigned int law, const double shift)
 {
-  const Block block(type, shift);
+  const Block block(law, shift);
   update_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.force);
   for (auto _ : state)
     add_tangent<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.system->graph(),
@@ -141,9 +136,9 @@ void tangent(benchmark::State& state, const MaterialType type, const double shif
 }
 
 /// One residual and one matrix: what a Newton iteration without line search costs before the linear solver.
-void newton_iteration(benchmark::State& state, const MaterialType type, const double shift)
+void newton_iteration(benchmark::State& state, const unsigned int law, const double shift)
 {
-  Block block(type, shift);
+  Block block(law, shift);
   for (auto _ : state)
   {
     update_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.force);
@@ -155,9 +150,9 @@ void newton_iteration(benchmark::State& state, const MaterialType type, const do
 }
 
 /// A time step of explicit dynamics: forces, and nodes that move to and fro.
-void time_step(benchmark::State& state, const MaterialType type, const double shift)
+void time_step(benchmark::State& state, const unsigned int law, const double shift)
 {
-  const Block block(type, shift);
+  const Block block(law, shift);
   const ParticlePath path = begin_path(block.particles.arrays());
   const NodalVector x = block.increment, v = block.system->make_nodal_vector(), f = block.force;
   double sign = 1e-3;
@@ -179,7 +174,7 @@ void time_step(benchmark::State& state, const MaterialType type, const double sh
 /// Overlaps and shape functions, once per step.
 void stencils(benchmark::State& state, const double shift)
 {
-  const Block block(MaterialType::elastic, shift);
+  const Block block(law_index<Elastic>, shift);
   for (auto _ : state)
     benchmark::DoNotOptimize(build_stencils<3>(block.mesh.leaves(), block.particles.positions(),
                                                block.particles.half_widths(), block.particles.leaves(), false));
@@ -190,10 +185,10 @@ constexpr double at_rest = 0., moved = 0.1;
 } // namespace
 
 #define KEDGE_BENCHMARK(name)                                                                                          \
-  BENCHMARK_CAPTURE(name, elastic_8_nodes, MaterialType::elastic, at_rest)->Unit(benchmark::kMillisecond);             \
-  BENCHMARK_CAPTURE(name, elastic_27_nodes, MaterialType::elastic, moved)->Unit(benchmark::kMillisecond);              \
-  BENCHMARK_CAPTURE(name, mohr_coulomb_8_nodes, MaterialType::mohr_coulomb, at_rest)->Unit(benchmark::kMillisecond);   \
-  BENCHMARK_CAPTURE(name, mohr_coulomb_27_nodes, MaterialType::mohr_coulomb, moved)->Unit(benchmark::kMillisecond)
+  BENCHMARK_CAPTURE(name, elastic_8_nodes, law_index<Elastic>, at_rest)->Unit(benchmark::kMillisecond);                \
+  BENCHMARK_CAPTURE(name, elastic_27_nodes, law_index<Elastic>, moved)->Unit(benchmark::kMillisecond);                 \
+  BENCHMARK_CAPTURE(name, mohr_coulomb_8_nodes, law_index<MohrCoulomb>, at_rest)->Unit(benchmark::kMillisecond);       \
+  BENCHMARK_CAPTURE(name, mohr_coulomb_27_nodes, law_index<MohrCoulomb>, moved)->Unit(benchmark::kMillisecond)
 KEDGE_BENCHMARK(stress_and_force);
 KEDGE_BENCHMARK(time_step);
 KEDGE_BENCHMARK(tangent);

@@ -8,6 +8,7 @@ ParticlePath begin_path(const ParticleArrays& particles)
 {
   ParticlePath path{View<double* [6]>("path b", particles.n), View<double* [9]>("path inverse dF", particles.n)};
   Kokkos::deep_copy(path.left_cauchy_green, particles.elastic_left_cauchy_green);
+  Kokkos::deep_copy(particles.trial_state, particles.state);
   Kokkos::parallel_for(
       "begin path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
         for (int i = 0; i < 9; ++i)
@@ -35,8 +36,12 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
           for (int c = 0; c < 3; ++c)
             before(r, c) = path.inverse_deformation(p, 3 * r + c);
         SymmetricTensor b = row_of(path.left_cauchy_green, p);
+        const Material& material = materials(particles.layer(p));
+        LocalState state;
+        load_state(particles.trial_state, p, material, state);
         const StressUpdate update =
-            advance_stress(stretch<dim>(dF, factor, p) * before, b, particles.young(p), materials(particles.layer(p)));
+            advance_stress(stretch<dim>(dF, factor, p) * before, b, {particles.young(p), particles.cell_size(p), state},
+                           material, state);
         if (update.status == Status::inverted || !(determinant(dF) > 0.))
         {
           ++inverted;
@@ -50,6 +55,7 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
         set_row(particles.trial_stress, p, update.stress);
         set_row(particles.trial_strain, p, update.elastic_strain);
         particles.trial_plastic(p) += update.plastic_increment;
+        store_state(particles.trial_state, p, material, state);
         add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },
       n_inverted);

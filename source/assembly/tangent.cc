@@ -49,8 +49,12 @@ template <int dim> struct TangentKernel
     for (int i = 0; i < 6; ++i)
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
-    const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b, particles.young(p),
-                                              materials(particles.layer(p)), tangent, elastic_share);
+    const Material& material = materials(particles.layer(p));
+    LocalState state; // its end is of no interest here
+    load_state(particles.state, p, material, state);
+    const StressUpdate update =
+        update_stress(stretch<dim>(dF, volume_factor, p), b, {particles.young(p), particles.cell_size(p), state},
+                      material, state, tangent, elastic_share);
     if (volume_factor.extent(0) > 0)
       take_out_dilation(p, update.stress, tangent);
     const double volume = particles.initial_volume(p);

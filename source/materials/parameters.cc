@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <kedge/materials/laws.h>
 #include <kedge/materials/parameters.h>
 #include <kedge/parameters/section.h>
 
@@ -5,10 +7,10 @@ namespace kedge
 {
 using namespace schema;
 
+std::string shown_number(const double value) { return shown(value); }
+
 namespace
 {
-const std::vector<std::string> frictional = {"drucker prager", "willam warnke", "mohr coulomb"};
-
 Section<Overburden> overburden_section()
 {
   Section<Overburden> section("Stiffness by depth: E = E_ref (sigma_v / reference stress)^exponent, with sigma_v the "
@@ -20,54 +22,88 @@ Section<Overburden> overburden_section()
   return section;
 }
 
-void check_strength(const MaterialParameters& material, const Place& place)
+Bounds bounds_of(const Range& range)
 {
-  if (material.type == MaterialType::elastic || material.type == MaterialType::von_mises)
-    return;
-  if (material.dilation_angle > material.friction_angle)
-    place.key("dilation angle")
-        .fail("expected at most the friction angle, " + shown(material.friction_angle) + " degrees, found " +
-                  shown(material.dilation_angle),
-              "lower it: a soil that dilates by more than it rubs would create energy");
-  if (material.friction_angle > 0.)
-    return;
-  if (material.type == MaterialType::willam_warnke)
-    place.key("friction angle")
-        .fail("expected a number above 0 (degrees), found 0",
-              "the cone needs a slope; use \"von mises\" for a soil without friction");
-  if (material.cohesion == 0.)
-    place.key("cohesion")
-        .fail("the friction angle and the cohesion are both 0, so the soil has no strength",
-              "give at least one of them above 0");
+  Bounds bounds;
+  if (std::isfinite(range.lower))
+    range.open_below ? bounds.above(range.lower) : bounds.at_least(range.lower);
+  if (std::isfinite(range.upper))
+    range.open_above ? bounds.below(range.upper) : bounds.at_most(range.upper);
+  return bounds;
+}
+
+/// A key with the names of the laws that have it.
+struct KeyOfLaws
+{
+  const LawKey* key;
+  std::vector<std::string> laws;
+};
+
+/// The keys of all laws in the order in which the list first names them.
+std::vector<KeyOfLaws> keys_of_laws()
+{
+  std::vector<KeyOfLaws> keys;
+  Laws::for_each(
+      [&](const auto tag)
+      {
+        using Law = typename decltype(tag)::type;
+        for (const LawKey* key : Law::keys)
+        {
+          const auto same = [&](const KeyOfLaws& other) { return other.key == key; };
+          const auto known = std::find_if(keys.begin(), keys.end(), same);
+          if (known == keys.end())
+            keys.push_back({key, {Law::name}});
+          else
+            known->laws.push_back(Law::name);
+        }
+      });
+  return keys;
+}
+
+void add_keys_of_laws(Section<MaterialParameters>& section)
+{
+  for (const auto& [key, laws] : keys_of_laws())
+  {
+    const auto set = [name = std::string(key->name)](MaterialParameters& into, const double value)
+    { into.constants.values[name] = value; };
+    const Format<double> format = number(key->unit, bounds_of(key->range));
+    Key& declared = key->required ? section.required(key->name, set, format, key->sentence)
+                                  : section.optional(key->name, set, format, key->sentence);
+    if (!std::isnan(key->standard))
+      declared.standard = key->standard;
+    declared.only_for("type", laws);
+  }
+}
+
+void check_constants(const MaterialParameters& material, const Place& place)
+{
+  const Refuse refuse = [&](const LawKey& key, const std::string& problem, const std::string& remedy)
+  { place.key(key.name).fail(problem, remedy); };
+  Laws::visit(material.law, [&](const auto tag) { decltype(tag)::type::check(material.constants, refuse); });
 }
 } // namespace
 
 Section<MaterialParameters> material_section()
 {
   using P = MaterialParameters;
-  const Format<double> angle = number("degrees", not_negative().below(90.));
+  std::vector<std::pair<std::string, unsigned int>> types;
+  Laws::for_each(
+      [&](const auto tag)
+      {
+        using Law = typename decltype(tag)::type;
+        types.emplace_back(Law::name, law_index<Law>);
+      });
   Section<P> section("Constitutive law of a layer, at finite strain (Hencky elasticity)");
-  section.required("type", &P::type,
-                   choice<MaterialType>({{"elastic", MaterialType::elastic},
-                                         {"von mises", MaterialType::von_mises},
-                                         {"drucker prager", MaterialType::drucker_prager},
-                                         {"willam warnke", MaterialType::willam_warnke},
-                                         {"mohr coulomb", MaterialType::mohr_coulomb}}),
-                   "Elastic law or yield surface");
+  section.required("type", &P::law, choice<unsigned int>(types), "Elastic law or yield surface");
   section.required("E", &P::young, number("Pa", positive()),
                    "Young's modulus; with \"E overburden\" its value at the reference stress");
   section.required("nu", &P::poisson, number("-", Bounds().above(-1.).below(0.5)), "Poisson's ratio");
   section.required("density", &P::density, number("kg/m3", positive()),
                    "Density; of submerged soil the buoyant density");
-  section.required("yield stress", &P::yield_stress, number("Pa", positive()), "Yield stress in uniaxial tension")
-      .only_for("type", {"von mises"});
-  section.required("friction angle", &P::friction_angle, angle, "Friction angle").only_for("type", frictional);
-  section.required("dilation angle", &P::dilation_angle, angle, "Dilation angle, at most the friction angle")
-      .only_for("type", frictional);
-  section.required("cohesion", &P::cohesion, number("Pa", not_negative()), "Cohesion").only_for("type", frictional);
+  add_keys_of_laws(section);
   section.optional("E overburden", &P::overburden, maybe(object_of(overburden_section())),
                    "Makes Young's modulus grow with depth");
-  section.check(check_strength);
+  section.check(check_constants);
   return section;
 }
 } // namespace kedge

@@ -17,6 +17,16 @@ constexpr unsigned int body_width =
     3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
 constexpr unsigned int contact_key_width = 3, contact_width = 6;
 
+/// The fields of a particle, as the text "particle fields" lists them: a file of other fields is not readable.
+inline std::string field_names()
+{
+  std::string names;
+  for_each_field(
+      [&](const FieldDeclaration& field, unsigned int)
+      { names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", field.name, n_components(field.kind)); });
+  return names;
+}
+
 /// What the text "version" says.
 inline std::string version_text(const unsigned int dim)
 {

@@ -225,6 +225,9 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
   const std::string version = file.read_text("version"), expected = version_text(dim);
   if (version != expected)
     throw FileError(path, fmt::format("is \"{}\", not \"{}\"", version, expected));
+  if (const std::string fields = file.read_text("particle fields"); fields != field_names())
+    throw FileError(
+        path, fmt::format("holds other fields of material points, {}; go on with the program that wrote it", fields));
   require_same_input(input, file.read_text("input"), path);
 
   const SoilParts<dim> parts = soil.parts();

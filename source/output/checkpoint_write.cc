@@ -106,6 +106,7 @@ void write_checkpoint(const Soil<dim>& soil, const RigidSystems& bodies, const R
   const MPI_Comm communicator = soil.communicator();
   Hdf5Writer file(path, communicator);
   file.write_text("version", version_text(dim));
+  file.write_text("particle fields", field_names());
   file.write_text("input", input);
   file.write_text("progress", to_json(progress, soil.n_deleted()).dump());
   const Window<dim>& window = soil.mesh().leaves().window;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <kedge/base/world_axes.h>
 #include <kedge/output/fields.h>
 #include <stdexcept>
 
@@ -6,45 +7,53 @@ namespace kedge
 {
 namespace
 {
-/// Which stored axis is the world's x, y, z: plane strain keeps x, z and then y.
-template <int dim> constexpr std::array<unsigned int, 3> stored_axis = {{0, dim == 3 ? 1 : 2, dim == 3 ? 2 : 1}};
-
-/// Which stored entry of a symmetric tensor is the world's xx, yy, zz, xy, yz, xz.
-template <int dim>
-constexpr std::array<unsigned int, 6> stored_entry = {
-    {0, dim == 3 ? 1 : 2, dim == 3 ? 2 : 1, dim == 3 ? 3 : 5, 4, dim == 3 ? 5 : 3}};
-
-template <int dim> void copy_vector(const double* stored, double* value)
-{
-  for (unsigned int d = 0; d < 3; ++d)
-    value[d] = stored[stored_axis<dim>[d]];
-}
-
-template <int dim> void copy_position(const double* position, double* value)
-{
-  value[0] = position[0];
-  value[1] = dim == 3 ? position[1] : 0.;
-  value[2] = position[dim - 1];
-}
-
-template <int dim> void copy_symmetric(const double* stored, double factor, double* value)
-{
-  for (unsigned int i = 0; i < 6; ++i)
-    value[i] = factor * stored[stored_entry<dim>[i]];
-}
-
 double volume_ratio(const double* data)
 {
   const double* F = data + field::deformation_gradient;
   return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) + F[2] * (F[3] * F[7] - F[4] * F[6]);
 }
 
-template <field::Offset offset> void evaluate_scalar(const ParticleView& p, double* value) { *value = p.data[offset]; }
-
-template <int dim, field::Offset offset> void evaluate_vector(const ParticleView& p, double* value)
+/// Values of a kind in the world's axes.
+template <int dim> void copy_in_world_axes(const FieldKind kind, const double* stored, double* value)
 {
-  copy_vector<dim>(p.data + offset, value);
+  switch (kind)
+  {
+    case FieldKind::scalar:
+      *value = *stored;
+      break;
+    case FieldKind::vector:
+      for (unsigned int d = 0; d < 3; ++d)
+        value[d] = stored[stored_axis<dim>[d]];
+      break;
+    case FieldKind::symmetric:
+      for (unsigned int i = 0; i < 6; ++i)
+        value[i] = stored[stored_entry<dim>[i]];
+      break;
+    case FieldKind::general:
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          value[3 * i + j] = stored[3 * stored_axis<dim>[i] + stored_axis<dim>[j]];
+      break;
+    case FieldKind::law_state: // one scalar after the other
+      break;
+  }
 }
+
+template <int dim> void copy_position(const double* position, double* value)
+{
+  const Eigen::Vector3d x = to_world<dim>(position);
+  std::copy_n(x.data(), 3, value);
+}
+
+/// A field that follows from stored ones. It stands behind the stored field `after` in tables.
+struct DerivedField
+{
+  const char *name, *after;
+  FieldKind kind;
+  const char *unit, *sentence;
+  void (*evaluate_in_2d)(const ParticleView&, double* value);
+  void (*evaluate_in_3d)(const ParticleView&, double* value);
+};
 
 template <int dim> void evaluate_position(const ParticleView& p, double* value)
 {
@@ -54,27 +63,18 @@ template <int dim> void evaluate_position(const ParticleView& p, double* value)
 template <int dim> void evaluate_displacement(const ParticleView& p, double* value)
 {
   double start[3];
-  copy_vector<dim>(p.data + field::initial_position, start);
+  copy_in_world_axes<dim>(FieldKind::vector, p.data + field::initial_position, start);
   copy_position<dim>(p.position, value);
   for (unsigned int d = 0; d < 3; ++d)
     value[d] -= start[d];
 }
 
-template <int dim> void evaluate_deformation_gradient(const ParticleView& p, double* value)
-{
-  for (unsigned int i = 0; i < 3; ++i)
-    for (unsigned int j = 0; j < 3; ++j)
-      value[3 * i + j] = p.data[field::deformation_gradient + 3 * stored_axis<dim>[i] + stored_axis<dim>[j]];
-}
-
 template <int dim> void evaluate_stress(const ParticleView& p, double* value)
 {
-  copy_symmetric<dim>(p.data + field::stress, 1. / volume_ratio(p.data), value);
-}
-
-template <int dim> void evaluate_strain(const ParticleView& p, double* value)
-{
-  copy_symmetric<dim>(p.data + field::elastic_strain, 1., value);
+  copy_in_world_axes<dim>(FieldKind::symmetric, p.data + field::stress, value);
+  const double factor = 1. / volume_ratio(p.data);
+  for (unsigned int i = 0; i < 6; ++i)
+    value[i] *= factor;
 }
 
 void evaluate_volume(const ParticleView& p, double* value)
@@ -82,24 +82,55 @@ void evaluate_volume(const ParticleView& p, double* value)
   *value = p.data[field::initial_volume] * volume_ratio(p.data);
 }
 
-template <int dim> const std::vector<ParticleField>& all_particle_fields()
+constexpr DerivedField derived_fields[] = {
+    {"position", "initial position", FieldKind::vector, "m", "of the centre", evaluate_position<2>,
+     evaluate_position<3>},
+    {"displacement", "initial position", FieldKind::vector, "m", "of the centre", evaluate_displacement<2>,
+     evaluate_displacement<3>},
+    {"stress", "kirchhoff stress", FieldKind::symmetric, "Pa", "Cauchy stress, tension positive", evaluate_stress<2>,
+     evaluate_stress<3>},
+    {"volume", "strain", FieldKind::scalar, "m3", "in 2-D per metre", evaluate_volume, evaluate_volume}};
+
+template <int dim> ParticleField make_field(const DerivedField& derived)
 {
-  static const std::vector<ParticleField> fields = {
-      {"initial position", 3, evaluate_vector<dim, field::initial_position>},
-      {"position", 3, evaluate_position<dim>},
-      {"displacement", 3, evaluate_displacement<dim>},
-      {"velocity", 3, evaluate_vector<dim, field::velocity>},
-      {"acceleration", 3, evaluate_vector<dim, field::acceleration>},
-      {"lp", 3, evaluate_vector<dim, field::half_width>},
-      {"deformation gradient", 9, evaluate_deformation_gradient<dim>},
-      {"stress", 6, evaluate_stress<dim>},
-      {"strain", 6, evaluate_strain<dim>},
-      {"volume", 1, evaluate_volume},
-      {"initial volume", 1, evaluate_scalar<field::initial_volume>},
-      {"plastic strain", 1, evaluate_scalar<field::plastic_strain>},
-      {"young modulus", 1, evaluate_scalar<field::young>},
-      {"contact gap", 1, evaluate_scalar<field::contact_gap>}};
+  return {derived.name, n_components(derived.kind), dim == 3 ? derived.evaluate_in_3d : derived.evaluate_in_2d};
+}
+
+template <int dim> ParticleField make_field(const FieldDeclaration& stored, const unsigned int offset)
+{
+  return {std::string(stored.name), n_components(stored.kind),
+          [kind = stored.kind, offset](const ParticleView& p, double* value)
+          { copy_in_world_axes<dim>(kind, p.data + offset, value); }};
+}
+
+/// Every field that can be written; the state variables of a law one by one.
+template <int dim> std::vector<ParticleField> all_particle_fields(const std::vector<StateVariable>& of_law)
+{
+  std::vector<ParticleField> fields;
+  for_each_field(
+      [&](const FieldDeclaration& stored, const unsigned int offset)
+      {
+        if (stored.kind == FieldKind::law_state)
+          for (unsigned int k = 0; k < of_law.size(); ++k)
+            fields.push_back(
+                {of_law[k].name, 1, [at = offset + k](const ParticleView& p, double* value) { *value = p.data[at]; }});
+        else if (stored.is_written)
+          fields.push_back(make_field<dim>(stored, offset));
+        for (const DerivedField& derived : derived_fields)
+          if (derived.after == stored.name)
+            fields.push_back(make_field<dim>(derived));
+      });
   return fields;
+}
+
+std::string text_of_columns(const FieldKind kind)
+{
+  if (kind == FieldKind::law_state)
+    return "named by the law";
+  std::string text;
+  for (const std::string& component : component_names(n_components(kind)))
+    text += (text.empty() ? "_" : " _") + component;
+  return text;
 }
 
 void copy(const Eigen::Vector3d& vector, double* value) { std::copy_n(vector.data(), 3, value); }
@@ -151,9 +182,34 @@ std::vector<std::vector<ParticleView>> particles_by_layer(const ParticleSet<dim>
   return layers;
 }
 
-template <int dim> std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names)
+std::vector<FieldDescription> describe_particle_fields()
 {
-  return select(all_particle_fields<dim>(), names);
+  std::vector<FieldDescription> descriptions;
+  for_each_field(
+      [&](const FieldDeclaration& stored, unsigned int)
+      {
+        if (stored.is_written)
+          descriptions.push_back({std::string(stored.name), text_of_columns(stored.kind), std::string(stored.unit),
+                                  std::string(stored.sentence)});
+        for (const DerivedField& derived : derived_fields)
+          if (derived.after == stored.name)
+            descriptions.push_back({derived.name, text_of_columns(derived.kind), derived.unit, derived.sentence});
+      });
+  return descriptions;
+}
+
+template <int dim>
+std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
+                                                  const std::vector<StateVariable>& of_law)
+{
+  std::vector<std::string> wanted;
+  for (const std::string& name : names)
+    if (name != particle_fields[index_of("law state")].name)
+      wanted.push_back(name);
+    else
+      for (const StateVariable& variable : of_law)
+        wanted.push_back(variable.name);
+  return select(all_particle_fields<dim>(of_law), wanted);
 }
 
 std::vector<BodyField> select_body_fields(const std::vector<std::string>& names)
@@ -191,6 +247,8 @@ std::vector<std::string> column_names(const std::string& field, unsigned int n_c
 
 template std::vector<std::vector<ParticleView>> particles_by_layer<2>(const ParticleSet<2>&, unsigned int);
 template std::vector<std::vector<ParticleView>> particles_by_layer<3>(const ParticleSet<3>&, unsigned int);
-template std::vector<ParticleField> select_particle_fields<2>(const std::vector<std::string>&);
-template std::vector<ParticleField> select_particle_fields<3>(const std::vector<std::string>&);
+template std::vector<ParticleField> select_particle_fields<2>(const std::vector<std::string>&,
+                                                              const std::vector<StateVariable>&);
+template std::vector<ParticleField> select_particle_fields<3>(const std::vector<std::string>&,
+                                                              const std::vector<StateVariable>&);
 } // namespace kedge

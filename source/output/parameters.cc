@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <kedge/output/fields.h>
 #include <kedge/output/parameters.h>
 #include <kedge/parameters/section.h>
 
@@ -77,10 +78,13 @@ Section<SeriesParameters> series_section(const std::string& name)
 
 const std::vector<std::string>& particle_field_names()
 {
-  static const std::vector<std::string> names = {
-      "initial position",     "position",   "displacement", "velocity", "acceleration",   "lp",
-      "deformation gradient", "stress",     "strain",       "volume",   "initial volume", "plastic strain",
-      "young modulus",        "contact gap"};
+  static const std::vector<std::string> names = []
+  {
+    std::vector<std::string> known;
+    for (const FieldDescription& field : describe_particle_fields())
+      known.push_back(field.name);
+    return known;
+  }();
   return names;
 }
 

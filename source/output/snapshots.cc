@@ -39,20 +39,23 @@ std::string file_name(const std::string& series, unsigned int step, const std::s
 
 template <int dim>
 OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::string& run_directory,
-                                unsigned int n_layers_, MPI_Comm communicator_)
+                                const std::vector<std::vector<StateVariable>>& states, MPI_Comm communicator_)
     : parameters(parameters_),
-      n_layers(n_layers_),
+      n_layers(states.size()),
       communicator(communicator_),
       vtk_folder((std::filesystem::path(run_directory) / parameters.vtk.directory).string()),
       csv_folder((std::filesystem::path(run_directory) / parameters.csv.directory).string()),
       vtk_schedule(parameters.vtk.percent),
       csv_schedule(parameters.csv.percent),
-      vtk_particle_fields(select_particle_fields<dim>(parameters.vtk.particle_fields)),
-      csv_particle_fields(select_particle_fields<dim>(parameters.csv.particle_fields)),
       vtk_body_fields(select_body_fields(parameters.vtk.body_fields)),
       history((std::filesystem::path(csv_folder) / "rigid_body.csv").string(),
               select_body_fields(parameters.csv.body_fields))
 {
+  for (const std::vector<StateVariable>& of_law : states)
+  {
+    vtk_particle_fields.push_back(select_particle_fields<dim>(parameters.vtk.particle_fields, of_law));
+    csv_particle_fields.push_back(select_particle_fields<dim>(parameters.csv.particle_fields, of_law));
+  }
   fail_together(run_directory, communicator,
                 [&]
                 {
@@ -104,18 +107,19 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
     const std::vector<ContactForce> contact = gather_contact(state.touches, communicator);
     fail_together(vtk_folder, communicator, [&] { write_snapshot(state, layers, contact); });
   }
-  if (csv && !csv_particle_fields.empty())
+  if (csv && !parameters.csv.particle_fields.empty())
     for (unsigned int layer = 0; layer < n_layers; ++layer)
     {
       // one layer at a time, because rank 0 holds all of it
-      const ParticleTable table = gather_on_root(tabulate(layers[layer], csv_particle_fields),
-                                                 count_components(csv_particle_fields), communicator);
+      const std::vector<ParticleField>& fields = csv_particle_fields[layer];
+      const ParticleTable table =
+          gather_on_root(tabulate(layers[layer], fields), count_components(fields), communicator);
       const std::string name = file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
       fail_together(csv_folder, communicator,
                     [&]
                     {
                       if (rank_of(communicator) == 0)
-                        write_particle_csv(table, csv_particle_fields, state.time, csv_folder + "/" + name);
+                        write_particle_csv(table, fields, state.time, csv_folder + "/" + name);
                     });
     }
   const bool any_column =
@@ -134,7 +138,8 @@ void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers&
                                        const std::vector<ContactForce>& contact)
 {
   for (unsigned int layer = 0; layer < n_layers; ++layer)
-    write_piece(fmt::format("mps_{}", layer + 1), particle_boxes<dim>(layers[layer], vtk_particle_fields), state);
+    write_piece(fmt::format("mps_{}", layer + 1), particle_boxes<dim>(layers[layer], vtk_particle_fields[layer]),
+                state);
   write_piece("mesh", soil_cells(state.mesh, state.particles), state);
   if (rank_of(communicator) != 0)
     return;

@@ -14,8 +14,15 @@ constexpr double least_volume_ratio = 0.1, largest_volume_ratio = 10.;
 template <int dim> bool is_distorted(const typename ParticleSet<dim>::Accessor& particle)
 {
   const double* data = particle.get_properties().data();
-  const auto is_finite = [](const double x) { return std::isfinite(x); };
-  if (!std::all_of(data, data + field::contact_gap, is_finite)) // the gap is NaN away from bodies
+  bool is_finite = true;
+  for_each_field(
+      [&](const FieldDeclaration& field, const unsigned int at)
+      {
+        const bool may_be_missing = std::isnan(field.initial);
+        for (unsigned int i = at; !may_be_missing && i < at + n_components(field.kind); ++i)
+          is_finite = is_finite && std::isfinite(data[i]);
+      });
+  if (!is_finite)
     return true;
   for (unsigned int d = 0; d < dim; ++d)
     if (!(data[field::half_width + d] > 0.))

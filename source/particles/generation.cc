@@ -66,7 +66,11 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
 {
   const GridLayout<dim>& grid = mesh.layout();
   const double spacing = grid.base_size / parameters.points_per_axis;
-  const std::vector<ParticleRow> rows = make_rows(spacing, grid.soil_extent[dim - 1], parameters.layers, gravity);
+  const double block_height = grid.soil_extent[dim - 1];
+  const std::vector<ParticleRow> rows = make_rows(spacing, block_height, parameters.layers, gravity);
+  std::vector<Material> materials;
+  for (const Layer& layer : parameters.layers)
+    materials.push_back(make_material(layer.material));
 
   std::array<long long, dim> per_axis;
   for (unsigned int d = 0; d < dim - 1; ++d)
@@ -91,7 +95,8 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
       const MaterialParameters& material = parameters.layers[row.layer].material;
       for (unsigned int column = 0; column < n_columns; ++column)
       {
-        std::fill(data.begin(), data.end(), 0.);
+        for_each_field([&](const FieldDeclaration& field, const unsigned int offset)
+                       { std::fill_n(&data[offset], n_components(field.kind), field.initial); });
         dealii::Point<dim> x;
         long long id = r;
         std::array<unsigned int, 2> along{{column % parameters.points_per_axis, column / parameters.points_per_axis}};
@@ -116,7 +121,7 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
         data[field::mass] = material.density * volume;
         data[field::young] = effective_young(material, row.vertical_stress);
         data[field::layer] = row.layer;
-        data[field::contact_gap] = std::numeric_limits<double>::quiet_NaN();
+        initialise_state(materials[row.layer], {block_height - middle, row.vertical_stress}, &data[field::law_state]);
         if (parameters.K0)
           set_initial_stress(data.data(), dim - 1, row.vertical_stress, *parameters.K0, material.poisson);
         handler.insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,

@@ -51,11 +51,25 @@ template <int dim> Group<dim> select_smallest(Group<dim> group, const double lim
   return group;
 }
 
-/// Adds weight * the entries [first, first + count) of a property to those of a sum.
-void add(double* sum, const double* data, const unsigned int first, const unsigned int count, const double weight)
+/// What a member of a group counts in the sum over a field; 0 where the field is not a sum.
+double weight_of(const FieldRule rule, const double* data)
 {
-  for (unsigned int i = first; i < first + count; ++i)
-    sum[i] += weight * data[i];
+  switch (rule)
+  {
+    case FieldRule::share:
+      return 1.;
+    case FieldRule::place:
+    case FieldRule::mean_by_mass:
+      return data[field::mass];
+    case FieldRule::mean_by_volume:
+      return data[field::initial_volume];
+    case FieldRule::mean_by_stiffness:
+      return data[field::initial_volume] * data[field::young];
+    case FieldRule::same:
+    case FieldRule::width: // join_domains
+      break;
+  }
+  return 0.;
 }
 
 struct MergedData
@@ -112,44 +126,41 @@ template <int dim> MergedData join(const Group<dim>& group)
 {
   MergedData result;
   double* merged = result.data.data();
-  double current_volume = 0.;
+  double current_volume = 0., mass = 0., volume = 0., stiffness = 0.;
   for (const auto& particle : group)
   {
     const double* data = particle->get_properties().data();
-    const double mass = data[field::mass], volume = data[field::initial_volume];
+    mass += data[field::mass];
+    volume += data[field::initial_volume];
+    stiffness += data[field::initial_volume] * data[field::young];
     for (unsigned int d = 0; d < dim; ++d)
-      result.position[d] += mass * particle->get_location()[d];
-    add(merged, data, field::initial_position, 3, mass);
-    add(merged, data, field::velocity, 3, mass);
-    add(merged, data, field::acceleration, 3, mass);
-    add(merged, data, field::deformation_gradient, 9, volume);
-    add(merged, data, field::stress, 6, volume);
-    add(merged, data, field::elastic_strain, 6, volume * data[field::young]);
-    add(merged, data, field::young, 1, volume);
-    add(merged, data, field::plastic_strain, 1, volume);
-    add(merged, data, field::initial_volume, 1, 1.);
-    add(merged, data, field::mass, 1, 1.);
-    current_volume += volume * Eigen::Map<const Matrix>(data + field::deformation_gradient).determinant();
+      result.position[d] += data[field::mass] * particle->get_location()[d];
+    for_each_field(
+        [&](const FieldDeclaration& field, const unsigned int at)
+        {
+          const double weight = weight_of(field.rule, data);
+          for (unsigned int i = at; weight != 0. && i < at + n_components(field.kind); ++i)
+            merged[i] += weight * data[i];
+        });
+    current_volume +=
+        data[field::initial_volume] * Eigen::Map<const Matrix>(data + field::deformation_gradient).determinant();
   }
-  const double* first = group.front()->get_properties().data();
-  merged[field::layer] = first[field::layer];
-  merged[field::contact_gap] = first[field::contact_gap];
-
-  const auto divide = [merged](const unsigned int offset, const unsigned int count, const double by)
-  {
-    for (unsigned int i = offset; i < offset + count; ++i)
-      merged[i] /= by;
-  };
-  const double mass = merged[field::mass], volume = merged[field::initial_volume];
   for (double& x : result.position)
     x /= mass;
-  for (const unsigned int offset : {field::initial_position, field::velocity, field::acceleration})
-    divide(offset, 3, mass);
-  divide(field::deformation_gradient, 9, volume);
-  divide(field::stress, 6, volume);
-  divide(field::elastic_strain, 6, merged[field::young]);
-  divide(field::young, 1, volume);
-  divide(field::plastic_strain, 1, volume);
+  const double* first = group.front()->get_properties().data();
+  for_each_field(
+      [&](const FieldDeclaration& field, const unsigned int at)
+      {
+        for (unsigned int i = at; i < at + n_components(field.kind); ++i)
+          if (field.rule == FieldRule::same)
+            merged[i] = first[i];
+          else if (field.rule == FieldRule::place || field.rule == FieldRule::mean_by_mass)
+            merged[i] /= mass;
+          else if (field.rule == FieldRule::mean_by_volume)
+            merged[i] /= volume;
+          else if (field.rule == FieldRule::mean_by_stiffness)
+            merged[i] /= stiffness;
+      });
   const bool filled = join_domains<dim>(group, merged);
   result.sound = scale_deformation<dim>(merged, current_volume / volume) && filled;
   return result;

@@ -1,3 +1,4 @@
+#include "array_copies.h"
 #include <algorithm>
 #include <cmath>
 #include <kedge/base/communication.h>
@@ -39,26 +40,6 @@ unsigned int count_nodes(const LeafTable<dim>& table, const dealii::Point<dim>& 
                  table.nodes.begin() + table.leaves[leaf].node_begin + table.leaves[leaf].n_nodes);
   std::sort(nodes.begin(), nodes.end());
   return std::unique(nodes.begin(), nodes.end()) - nodes.begin();
-}
-
-ParticleArrays allocate_arrays(const std::size_t n)
-{
-  using Kokkos::view_alloc;
-  using Kokkos::WithoutInitializing;
-  ParticleArrays arrays;
-  arrays.n = n;
-  arrays.elastic_left_cauchy_green =
-      decltype(arrays.elastic_left_cauchy_green)(view_alloc("left Cauchy-Green", WithoutInitializing), n);
-  arrays.young = View<double*>(view_alloc("young", WithoutInitializing), n);
-  arrays.initial_volume = View<double*>(view_alloc("volume", WithoutInitializing), n);
-  arrays.mass = View<double*>(view_alloc("mass", WithoutInitializing), n);
-  arrays.layer = View<unsigned int*>(view_alloc("layer", WithoutInitializing), n);
-  arrays.velocity = View<double* [3]>(view_alloc("velocity", WithoutInitializing), n);
-  arrays.acceleration = View<double* [3]>(view_alloc("acceleration", WithoutInitializing), n);
-  arrays.trial_strain = decltype(arrays.trial_strain)(view_alloc("trial strain", WithoutInitializing), n);
-  arrays.trial_stress = decltype(arrays.trial_stress)(view_alloc("trial stress", WithoutInitializing), n);
-  arrays.trial_plastic = View<double*>(view_alloc("trial plastic", WithoutInitializing), n);
-  return arrays;
 }
 } // namespace
 
@@ -116,22 +97,15 @@ template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
   const std::size_t n = into.order.size();
   ParticleArrays& arrays = into.arrays;
   if (n != arrays.n || arrays.young.extent(0) != n)
-    arrays = allocate_arrays(n);
+    allocate_arrays(arrays, n);
   into.centre.resize(n);
   into.half_width.resize(n);
   into.leaf.resize(n);
   into.id.resize(n);
 
-  auto b = Kokkos::create_mirror_view(arrays.elastic_left_cauchy_green);
-  auto young = Kokkos::create_mirror_view(arrays.young);
-  auto volume = Kokkos::create_mirror_view(arrays.initial_volume);
-  auto mass = Kokkos::create_mirror_view(arrays.mass);
-  auto layer = Kokkos::create_mirror_view(arrays.layer);
-  auto velocity = Kokkos::create_mirror_view(arrays.velocity);
-  auto acceleration = Kokkos::create_mirror_view(arrays.acceleration);
-  auto strain = Kokkos::create_mirror_view(arrays.trial_strain);
-  auto stress = Kokkos::create_mirror_view(arrays.trial_stress);
-
+  const auto copies = host_copies(arrays, false);
+  const auto b = Kokkos::create_mirror_view(arrays.elastic_left_cauchy_green);
+  const auto cell_size = Kokkos::create_mirror_view(arrays.cell_size);
   for (std::size_t p = 0; p < n; ++p)
   {
     const auto& particle = into.order[p].particle;
@@ -142,32 +116,13 @@ template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
     into.id[p] = particle->get_id();
     const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
     for (unsigned int i = 0; i < 6; ++i)
-    {
       b(p, i) = b_e[i];
-      strain(p, i) = data[field::elastic_strain + i];
-      stress(p, i) = data[field::stress + i];
-    }
-    for (unsigned int i = 0; i < 3; ++i)
-    {
-      velocity(p, i) = data[field::velocity + i];
-      acceleration(p, i) = data[field::acceleration + i];
-    }
-    young(p) = data[field::young];
-    volume(p) = data[field::initial_volume];
-    mass(p) = data[field::mass];
-    layer(p) = static_cast<unsigned int>(data[field::layer]);
+    cell_size(p) = mesh.leaves().leaves[into.leaf[p]].size;
+    std::apply([&](const auto&... copy) { (copy.take(p, data), ...); }, copies);
   }
-
   Kokkos::deep_copy(arrays.elastic_left_cauchy_green, b);
-  Kokkos::deep_copy(arrays.young, young);
-  Kokkos::deep_copy(arrays.initial_volume, volume);
-  Kokkos::deep_copy(arrays.mass, mass);
-  Kokkos::deep_copy(arrays.layer, layer);
-  Kokkos::deep_copy(arrays.velocity, velocity);
-  Kokkos::deep_copy(arrays.acceleration, acceleration);
-  Kokkos::deep_copy(arrays.trial_strain, strain);
-  Kokkos::deep_copy(arrays.trial_stress, stress);
-  Kokkos::deep_copy(arrays.trial_plastic, 0.);
+  Kokkos::deep_copy(arrays.cell_size, cell_size);
+  std::apply([&](const auto&... copy) { (Kokkos::deep_copy(arrays.*copy.field.array, copy.values), ...); }, copies);
 }
 
 template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
@@ -185,16 +140,13 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   if (!is_fresh())
     throw std::logic_error("particles changed between the solution of a step and its commit");
   const std::vector<Place>& order = mirror.order;
-  const ParticleArrays& arrays = mirror.arrays;
   const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
   const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
   const auto velocity_change =
       Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.velocity_change);
   const auto acceleration = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.acceleration);
   const bool moves = increments.motion.acceleration.extent(0) > 0;
-  const auto strain = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_strain);
-  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_stress);
-  const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_plastic);
+  const auto copies = host_copies(mirror.arrays, true);
 
   for (std::size_t p = 0; p < order.size(); ++p)
   {
@@ -216,12 +168,7 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
       for (unsigned int d = 0; d < dim; ++d)
         data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
 
-    for (unsigned int i = 0; i < 6; ++i)
-    {
-      data[field::elastic_strain + i] = strain(p, i);
-      data[field::stress + i] = stress(p, i);
-    }
-    data[field::plastic_strain] += plastic(p);
+    std::apply([&](const auto&... copy) { (copy.commit(p, data), ...); }, copies);
     for (unsigned int i = 0; i < 3; ++i)
     {
       data[field::velocity + i] = moves ? data[field::velocity + i] + velocity_change(p, i) : 0.;
@@ -289,7 +236,7 @@ template <int dim> double ParticleSet<dim>::bytes() const
 {
   const double in_handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);
   const double in_arrays =
-      sizeof(double) * (6. + 3. + 6. + 6. + 6. + 1. + 2. * dim) + 2. * sizeof(unsigned int) + sizeof(long long);
+      bytes_per_particle(mirror.arrays) + sizeof(double) * 2. * dim + sizeof(unsigned int) + sizeof(long long);
   return particles.n_locally_owned_particles() * in_handler + fresh().arrays.n * in_arrays;
 }
 

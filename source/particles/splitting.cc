@@ -23,6 +23,29 @@ template <int dim> struct Piece
   std::array<double, field::count> data;
 };
 
+/// Makes the values of a field of a particle those of one of its `n` children.
+void divide_field(const FieldDeclaration& field, double* value, const std::size_t n, const Eigen::Vector3d& offset)
+{
+  for (unsigned int i = 0; i < n_components(field.kind); ++i)
+    switch (field.rule)
+    {
+      case FieldRule::share:
+        value[i] /= n;
+        break;
+      case FieldRule::width:
+        value[i] *= 0.5;
+        break;
+      case FieldRule::place:
+        value[i] += offset[i];
+        break;
+      case FieldRule::same:
+      case FieldRule::mean_by_mass:
+      case FieldRule::mean_by_volume:
+      case FieldRule::mean_by_stiffness:
+        break;
+    }
+}
+
 template <int dim>
 std::array<Piece<dim>, 1u << dim>
 cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>& numbers, const GridLayout<dim>& grid)
@@ -40,16 +63,12 @@ cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>&
     Eigen::Vector3d offset = Eigen::Vector3d::Zero();
     for (unsigned int d = 0; d < dim; ++d)
     {
-      child.data[field::half_width + d] *= 0.5;
-      child.data[field::initial_half_width + d] *= 0.5;
-      offset[d] = ((octant >> d) & 1u ? 1. : -1.) * child.data[field::half_width + d];
+      offset[d] = ((octant >> d) & 1u ? 0.5 : -0.5) * parent.data[field::half_width + d];
       child.position[d] = std::clamp(parent.position[d] + offset[d], inset, grid.extent(d) - inset);
     }
     const Eigen::Vector3d initial_offset = to_initial * offset;
-    for (unsigned int d = 0; d < 3; ++d)
-      child.data[field::initial_position + d] += initial_offset[d];
-    child.data[field::initial_volume] /= children.size();
-    child.data[field::mass] /= children.size();
+    for_each_field([&](const FieldDeclaration& field, const unsigned int at)
+                   { divide_field(field, &child.data[at], children.size(), initial_offset); });
   }
   return children;
 }

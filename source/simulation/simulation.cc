@@ -25,6 +25,15 @@ double magnitude(const std::array<double, 3>& x)
   return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
 }
 
+/// By layer, the state variables that its law uses.
+std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)
+{
+  std::vector<std::vector<StateVariable>> states;
+  for (const Layer& layer : layers)
+    states.push_back(state_variables_of(layer.material));
+  return states;
+}
+
 template <int dim> class Simulation
 {
 public:
@@ -80,7 +89,7 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
       log(input_, options),
       soil(make_grid_layout<dim>(input_), input_.material_points, input_.contact, MPI_COMM_WORLD),
       bodies(make_rigid_systems(input_.systems, dim)),
-      writer(input_.output, options.output_directory, input_.material_points.layers.size(), MPI_COMM_WORLD),
+      writer(input_.output, options.output_directory, states_of(input_.material_points.layers), MPI_COMM_WORLD),
       checkpoints(input_.output, options.output_directory)
 {
   for (const std::string& doubt : find_doubts(input, bodies))

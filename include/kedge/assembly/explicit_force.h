@@ -6,13 +6,14 @@
 namespace kedge
 {
 /// Where the particles are on their way through a step: the stress follows the path, not the increment of the whole.
+/// The laws' state variables follow it in the particles' trial state.
 struct ParticlePath
 {
   View<double* [6]> left_cauchy_green;   ///< elastic, exp(2 eps_e)
   View<double* [9]> inverse_deformation; ///< inverse of dF since the start of the step, of F-bar where it is on
 };
 
-/// At the committed state.
+/// At the committed state, which becomes the trial state.
 ParticlePath begin_path(const ParticleArrays& particles);
 
 /// Follows every particle to the nodal increments since the start of the step (m), writes its trial state and adds its

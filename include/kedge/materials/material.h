@@ -1,29 +1,22 @@
-// The one dispatch over the laws, and the update of a material point's stress.
+// A material on the device, and the update of a material point's stress.
 #pragma once
 
-#include <kedge/materials/drucker_prager.h>
-#include <kedge/materials/mohr_coulomb.h>
+#include <kedge/materials/laws.h>
 #include <kedge/materials/parameters.h>
 #include <kedge/materials/spatial_tangent.h>
-#include <kedge/materials/willam_warnke.h>
-#include <limits>
 #include <vector>
 
 namespace kedge
 {
 /// What the kernels need of a material: plain data, copied to the device. Young's modulus is not among them, for it may
-/// differ from point to point. The constants of other types than `type` stay NaN.
+/// differ from point to point. The constants of other laws than its own stay unset.
 struct Material
 {
-  static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
-
-  MaterialType type = MaterialType::elastic;
+  unsigned int law = law_index<Elastic>;
+  unsigned int n_state = 0;   ///< state variables in use: 0 where the law forgets, as hardening by 0 does
   double lame_ratio = unset;  ///< first Lame constant / Young's modulus
   double shear_ratio = unset; ///< shear modulus / Young's modulus
-  VonMises von_mises = {unset};
-  DruckerPrager drucker_prager = {unset, unset, unset, unset};
-  WillamWarnke willam_warnke = {unset, unset, unset, unset};
-  MohrCoulomb mohr_coulomb = {unset, unset, unset, unset};
+  Laws::Storage laws;
 
   KEDGE_FUNCTION HenckyElasticity elasticity(const double young) const
   {
@@ -34,34 +27,30 @@ struct Material
 /// Computes the constants once, on the host.
 Material make_material(const MaterialParameters& parameters);
 
-/// The laws of the layers, in their order, on the device.
+/// The materials of the layers, on the device.
 using Materials = View<Material*>;
 Materials upload_materials(const std::vector<MaterialParameters>& parameters);
+
+/// The state variables that a material uses: none where its law forgets.
+std::vector<StateVariable> state_variables_of(const MaterialParameters& parameters);
+
+/// Fills the Laws::max_state state variables of a new material point; those not in use are 0.
+void initialise_state(const Material& material, const Generation& at, double* state);
 
 /// Young's modulus (Pa) of a point under the initial vertical stress (Pa, compression positive): E, or with "E
 /// overburden" E (sigma_v / reference stress)^exponent. sigma_v counts as at least 1e-4 of the reference stress (10 Pa
 /// for 100 kPa, under a millimetre of soil), so that a point at the very surface keeps some stiffness.
 double effective_young(const MaterialParameters& parameters, double vertical_stress);
 
-/// Return mapping in principal logarithmic strains. `trial_strain` in any order; young in Pa.
+/// Return mapping in principal logarithmic strains. `trial_strain` in any order. Writes the material's n_state state
+/// variables to `next_state`, which may be the array that the point's state is in.
 /// Residuals and line searches need no tangent.
 template <bool with_tangent = true>
-KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const double young, const Material& material)
+KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const MaterialPoint& point,
+                                const Material& material, double* next_state)
 {
-  const HenckyElasticity elasticity = material.elasticity(young);
-  switch (material.type)
-  {
-    case MaterialType::von_mises:
-      return material.von_mises.respond<with_tangent>(trial_strain, elasticity);
-    case MaterialType::drucker_prager:
-      return material.drucker_prager.respond<with_tangent>(trial_strain, young, elasticity);
-    case MaterialType::willam_warnke:
-      return material.willam_warnke.respond<with_tangent>(trial_strain, young, elasticity);
-    case MaterialType::mohr_coulomb:
-      return material.mohr_coulomb.respond<with_tangent>(trial_strain, young, elasticity);
-    default: // elastic
-      return elastic_response<with_tangent>(trial_strain, elasticity);
-  }
+  return Laws::respond<with_tangent>(material.law, material.laws, trial_strain, point, material.elasticity(point.young),
+                                     next_state);
 }
 
 /// A material point's trial state at the end of the step.
@@ -100,8 +89,9 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
 
 template <bool with_tangent>
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const double young, const Material& material, SpatialTangent* tangent,
-                                          SymmetricTensor* next_b = nullptr, const double elastic_share = 0.)
+                                          const MaterialPoint& point, const Material& material, double* next_state,
+                                          SpatialTangent* tangent, SymmetricTensor* next_b = nullptr,
+                                          const double elastic_share = 0.)
 {
   const SymmetricTensor pushed = push_forward(increment, b);
   const PrincipalFrame frame = principal_frame(pushed);
@@ -115,12 +105,12 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   }
   const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
                                      0.5 * std::log(frame.values[2]));
-  Response response = respond<with_tangent>(trial_strain, young, material);
+  Response response = respond<with_tangent>(trial_strain, point, material, next_state);
   if constexpr (with_tangent)
   {
     if (response.status != Status::elastic)
       response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
-    *tangent = spatial_tangent(response, material.elasticity(young), trial_strain, frame);
+    *tangent = spatial_tangent(response, material.elasticity(point.young), trial_strain, frame);
   }
   if (next_b != nullptr)
   {
@@ -136,28 +126,28 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
 } // namespace internal
 
 /// The state after the trial increment of the deformation gradient. `b` is the committed elastic left Cauchy-Green
-/// tensor exp(2 eps_e), computed once per step by left_cauchy_green(). Where det(increment) <= 0 the status is
-/// `inverted` and the rest zero.
+/// tensor exp(2 eps_e), computed once per step by left_cauchy_green(). `next_state` receives the state variables, as
+/// for respond(). Where det(increment) <= 0 the status is `inverted`, the rest zero and `next_state` as it was.
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const double young, const Material& material)
+                                          const MaterialPoint& point, const Material& material, double* next_state)
 {
-  return internal::update_stress<false>(increment, b, young, material, nullptr);
+  return internal::update_stress<false>(increment, b, point, material, next_state, nullptr);
 }
 
 /// The same with the consistent spatial tangent, to which a yielding point adds at least `elastic_share` of its elastic
 /// moduli.
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const double young, const Material& material, SpatialTangent& tangent,
-                                          const double elastic_share = 0.)
+                                          const MaterialPoint& point, const Material& material, double* next_state,
+                                          SpatialTangent& tangent, const double elastic_share = 0.)
 {
-  return internal::update_stress<true>(increment, b, young, material, &tangent, nullptr, elastic_share);
+  return internal::update_stress<true>(increment, b, point, material, next_state, &tangent, nullptr, elastic_share);
 }
 
 /// The same without a tangent for a path of many increments: `b` becomes the one that the next increment goes on from,
 /// and stays as it is where this one is inverted.
-KEDGE_FUNCTION StressUpdate advance_stress(const Eigen::Matrix3d& increment, SymmetricTensor& b, const double young,
-                                           const Material& material)
+KEDGE_FUNCTION StressUpdate advance_stress(const Eigen::Matrix3d& increment, SymmetricTensor& b,
+                                           const MaterialPoint& point, const Material& material, double* next_state)
 {
-  return internal::update_stress<false>(increment, b, young, material, nullptr, &b);
+  return internal::update_stress<false>(increment, b, point, material, next_state, nullptr, &b);
 }
 } // namespace kedge

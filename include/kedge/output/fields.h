@@ -1,6 +1,7 @@
 // The fields that can be written: how each is found from what particles and rigid points carry.
 #pragma once
 
+#include <functional>
 #include <kedge/bodies/rigid_systems.h>
 #include <kedge/particles/particle_set.h>
 #include <string>
@@ -23,8 +24,18 @@ struct ParticleField
 {
   std::string name;
   unsigned int n_components;
-  void (*evaluate)(const ParticleView&, double* value); ///< writes n_components values
+  std::function<void(const ParticleView&, double* value)> evaluate; ///< writes n_components values
 };
+
+/// One field for the manual.
+struct FieldDescription
+{
+  std::string name, columns, unit, sentence;
+};
+
+/// Every field of material points that can be written, in the order of the tables: those of particles/fields.h and
+/// those that follow from them.
+std::vector<FieldDescription> describe_particle_fields();
 
 struct BodyField
 {
@@ -34,8 +45,10 @@ struct BodyField
 };
 
 /// The fields of these names (see output/parameters.h), with components along x, y, z; in plane strain y is the
-/// direction out of the plane. Stress is the Cauchy stress (Pa), volume the initial one times det F.
-template <int dim> std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names);
+/// direction out of the plane. "law state" stands for the state variables of the layer's law, each a field of its own.
+template <int dim>
+std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
+                                                  const std::vector<StateVariable>& of_law = {});
 std::vector<BodyField> select_body_fields(const std::vector<std::string>& names);
 
 /// Names of the components of a field with so many: none for a scalar, x y z, xx yy zz xy yz xz, 1 to 9.

@@ -29,9 +29,9 @@ template <int dim> struct Snapshot
 template <int dim> class OutputWriter
 {
 public:
-  /// Creates the folders.
-  OutputWriter(const OutputParameters& parameters, const std::string& run_directory, unsigned int n_layers,
-               MPI_Comm communicator);
+  /// Creates the folders. `states`: by layer, the state variables that its law uses.
+  OutputWriter(const OutputParameters& parameters, const std::string& run_directory,
+               const std::vector<std::vector<StateVariable>>& states, MPI_Comm communicator);
 
   /// After a restart: keeps the lists and rows of the earlier run up to and including `step`.
   void resume_after(unsigned int step);
@@ -52,7 +52,7 @@ private:
   MPI_Comm communicator;
   std::string vtk_folder, csv_folder;
   OutputSchedule vtk_schedule, csv_schedule;
-  std::vector<ParticleField> vtk_particle_fields, csv_particle_fields;
+  std::vector<std::vector<ParticleField>> vtk_particle_fields, csv_particle_fields; ///< by layer
   std::vector<BodyField> vtk_body_fields;
   BodyHistory history;
   std::map<std::string, PvdSeries> series_lists;  ///< by the start of the files' names

@@ -1,7 +1,8 @@
 // Particle data as the kernels see them: plain arrays, one entry per particle of this rank.
 #pragma once
 
-#include <kedge/base/kokkos.h>
+#include <kedge/particles/fields.h>
+#include <tuple>
 
 namespace kedge
 {
@@ -10,13 +11,49 @@ namespace kedge
 struct ParticleArrays
 {
   std::size_t n = 0;
-  View<double* [6]> elastic_left_cauchy_green; ///< committed: exp(2 eps_e)
-  View<double*> young, initial_volume, mass;   ///< committed
-  View<unsigned int*> layer;                   ///< committed
-  View<double*[3]> velocity, acceleration;     ///< committed, m/s, m/s2
-  View<double*[6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
-  View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
+  View<double* [6]> elastic_left_cauchy_green;         ///< committed: exp(2 eps_e)
+  View<double*> young, initial_volume, mass;           ///< committed
+  View<unsigned int*> layer;                           ///< committed
+  View<double*> cell_size;                             ///< edge of the cell in which the particle is, m
+  View<double*[3]> velocity, acceleration;             ///< committed, m/s, m/s2
+  View<double*[6]> trial_strain, trial_stress;         ///< elastic logarithmic strain; Kirchhoff stress, Pa
+  View<double*> trial_plastic;                         ///< increment of the equivalent plastic strain
+  View<double * [Laws::max_state]> state, trial_state; ///< the laws' state variables: committed; at the step's end
 };
+
+/// What happens to an array that mirrors a field when a step is committed.
+enum class OnCommit
+{
+  nothing,  ///< it holds what is committed
+  replaces, ///< it holds the field at the end of the step, at first as it is committed
+  adds      ///< it holds what the step adds, at first nothing
+};
+
+/// An array and the field that it mirrors.
+template <typename Array> struct MirroredField
+{
+  Array ParticleArrays::*array;
+  unsigned int offset;
+  OnCommit on_commit;
+};
+
+template <typename Array>
+constexpr MirroredField<Array> mirror(Array ParticleArrays::*array, const unsigned int offset,
+                                      const OnCommit on_commit = OnCommit::nothing)
+{
+  return {array, offset, on_commit};
+}
+
+/// All fields that the kernels see as they are stored. elastic_left_cauchy_green and cell_size follow from others.
+inline constexpr auto mirrored_fields = std::make_tuple(
+    mirror(&ParticleArrays::young, field::young), mirror(&ParticleArrays::initial_volume, field::initial_volume),
+    mirror(&ParticleArrays::mass, field::mass), mirror(&ParticleArrays::layer, field::layer),
+    mirror(&ParticleArrays::velocity, field::velocity), mirror(&ParticleArrays::acceleration, field::acceleration),
+    mirror(&ParticleArrays::state, field::law_state),
+    mirror(&ParticleArrays::trial_strain, field::elastic_strain, OnCommit::replaces),
+    mirror(&ParticleArrays::trial_stress, field::stress, OnCommit::replaces),
+    mirror(&ParticleArrays::trial_state, field::law_state, OnCommit::replaces),
+    mirror(&ParticleArrays::trial_plastic, field::plastic_strain, OnCommit::adds));
 
 /// What a dynamic step makes of the particles' motion.
 struct ParticleMotion

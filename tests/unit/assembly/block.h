@@ -10,16 +10,25 @@
 
 namespace kedge::test
 {
-inline MaterialParameters soil_material(const MaterialType type)
+template <typename Law> MaterialParameters soil_material()
 {
   MaterialParameters parameters;
-  parameters.type = type;
+  parameters.law = law_index<Law>;
   parameters.young = 1e7;
   parameters.poisson = 0.3;
   parameters.density = 2000.;
-  parameters.friction_angle = 20.;
-  parameters.dilation_angle = 5.;
-  parameters.cohesion = 2e3;
+  parameters.constants.values = {{"friction angle", 20.}, {"dilation angle", 5.}, {"cohesion", 2e3}};
+  return parameters;
+}
+
+/// A law with memory.
+inline MaterialParameters softening_soil()
+{
+  MaterialParameters parameters = soil_material<MohrCoulomb>();
+  parameters.constants.values["critical friction angle"] = 15.;
+  parameters.constants.values["critical dilation angle"] = 0.;
+  parameters.constants.values["softening strain"] = 0.1;
+  parameters.constants.values["shear band width"] = 0.2;
   return parameters;
 }
 
@@ -90,8 +99,9 @@ template <int dim> struct Block : SoilFixture<dim>
   static constexpr double cell = 0.3;
   using SoilFixture<dim>::particles;
 
-  explicit Block(const MaterialType type, const MPI_Comm communicator = MPI_COMM_WORLD, const bool stressed = true)
-      : SoilFixture<dim>(layout(), layers_of({{1., soil_material(type)}}), 9.81, {}, communicator),
+  explicit Block(const MaterialParameters& material, const MPI_Comm communicator = MPI_COMM_WORLD,
+                 const bool stressed = true)
+      : SoilFixture<dim>(layout(), layers_of({{1., material}}), 9.81, {}, communicator),
         materials(this->soil.materials())
   {
     if (stressed)

@@ -27,8 +27,7 @@ public:
   {
     MaterialPointParameters parameters;
     parameters.points_per_axis = 2;
-    parameters.layers = {{0.6, test::soil_material(MaterialType::elastic)},
-                         {2.15, test::soil_material(MaterialType::mohr_coulomb)}};
+    parameters.layers = {{0.6, test::soil_material<Elastic>()}, {2.15, test::soil_material<MohrCoulomb>()}};
     parameters.layers[0].material.density = 1500.;
     parameters.layers[0].material.young = 2e6;
     parameters.layers[1].material.overburden = Overburden{1e5, 0.5};

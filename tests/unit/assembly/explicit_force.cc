@@ -53,7 +53,7 @@ TYPED_TEST_SUITE(ExplicitForce, Dimensions, test::DimensionName);
 TYPED_TEST(ExplicitForce, OneIncrementIsThatOfTheImplicitStep)
 {
   constexpr int dim = TypeParam::value;
-  const test::Block<dim> block(MaterialType::mohr_coulomb);
+  const test::Block<dim> block(test::soil_material<MohrCoulomb>());
   for (const CellGroups& cells : {CellGroups(), block.parts->cells})
   {
     const auto system = block.parts->make_system();
@@ -67,9 +67,45 @@ TYPED_TEST(ExplicitForce, OneIncrementIsThatOfTheImplicitStep)
   }
 }
 
+TYPED_TEST(ExplicitForce, OneIncrementLeavesTheStateOfTheImplicitStep)
+{
+  constexpr int dim = TypeParam::value;
+  const test::Block<dim> block(test::softening_soil());
+  const ParticleArrays& arrays = block.particles.arrays();
+  const auto system = block.parts->make_system();
+  const TpetraVector whole = block.parts->owned(*system, test::Block<dim>::random_field(0.02, 5));
+  update_stress_and_force<dim>(arrays, block.parts->stencils, block.materials, system->spread(whole),
+                               system->make_nodal_vector());
+  std::vector<double> expected(arrays.n);
+  for (std::size_t p = 0; p < arrays.n; ++p)
+    expected[p] = on_host(arrays.trial_state)(p, 0);
+  EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 1e-4);
+  this->follow(block, {1.}, {});
+  const auto found = on_host(arrays.trial_state);
+  for (std::size_t p = 0; p < arrays.n; ++p)
+    ASSERT_NEAR(found(p, 0), expected[p], 1e-12);
+}
+
+TYPED_TEST(ExplicitForce, TheStateFollowsThePath)
+{
+  const test::Block<TypeParam::value> block(test::softening_soil());
+  const auto total = [&]
+  {
+    const auto state = on_host(block.particles.arrays().trial_state);
+    double sum = 0.;
+    for (std::size_t p = 0; p < block.particles.arrays().n; ++p)
+      sum += state(p, 0);
+    return sum;
+  };
+  this->follow(block, {1.}, {});
+  const double straight = total();
+  this->follow(block, {1., -1., 1.}, {});
+  EXPECT_GT(total(), 2. * straight);
+}
+
 TYPED_TEST(ExplicitForce, ElasticSoilForgetsItsPath)
 {
-  const test::Block<TypeParam::value> block(MaterialType::elastic);
+  const test::Block<TypeParam::value> block(test::soil_material<Elastic>());
   for (const CellGroups& cells : {CellGroups(), block.parts->cells})
     EXPECT_LT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, cells), this->follow(block, {1.}, cells)),
               1e-10);
@@ -77,7 +113,7 @@ TYPED_TEST(ExplicitForce, ElasticSoilForgetsItsPath)
 
 TYPED_TEST(ExplicitForce, PlasticSoilRemembersItsPath)
 {
-  const test::Block<TypeParam::value> block(MaterialType::mohr_coulomb);
+  const test::Block<TypeParam::value> block(test::soil_material<MohrCoulomb>());
   const std::vector<double> straight = this->follow(block, {1.}, {});
   EXPECT_GT(this->difference(this->follow(block, {0.4, -1.5, 2., 1.}, {}), straight), 1e-3);
   EXPECT_LT(this->difference(this->follow(block, {0.25, 0.5, 0.75, 1.}, {}), straight), 0.2);
@@ -86,7 +122,7 @@ TYPED_TEST(ExplicitForce, PlasticSoilRemembersItsPath)
 /// Sum of the masses: that of the particles, and more where a least share is asked for.
 TYPED_TEST(ExplicitForce, LumpedMassIsThatOfTheSoil)
 {
-  const test::Block<TypeParam::value> block(MaterialType::elastic);
+  const test::Block<TypeParam::value> block(test::soil_material<Elastic>());
   const auto sum = [](const kedge::View<double*>& view)
   {
     const auto host = on_host(view);

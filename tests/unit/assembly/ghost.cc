@@ -11,7 +11,8 @@ namespace
 /// The stabilised faces of a block, its numbering widened by their nodes.
 template <int dim> struct StabilisedBlock
 {
-  explicit StabilisedBlock(const MPI_Comm communicator = MPI_COMM_WORLD) : block(MaterialType::elastic, communicator)
+  explicit StabilisedBlock(const MPI_Comm communicator = MPI_COMM_WORLD)
+      : block(test::soil_material<Elastic>(), communicator)
   {
     const LeafTable<dim>& table = block.mesh.leaves();
     const ParticleArrays& particles = block.particles.arrays();

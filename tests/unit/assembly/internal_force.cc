@@ -11,7 +11,7 @@ template <typename Dimension> class InternalForce : public testing::Test
 public:
   static constexpr int dim = Dimension::value;
 
-  InternalForce() : block(MaterialType::mohr_coulomb), system(block.parts->make_system()) {}
+  InternalForce() : block(test::soil_material<MohrCoulomb>()), system(block.parts->make_system()) {}
 
   TpetraVector force(const typename test::Discretisation<dim>::Field& increment) const
   {
@@ -96,7 +96,7 @@ TYPED_TEST(InternalForce, IsThatOfOneRank)
   const auto increment = this->block.random_field(5e-3, 1);
   const TpetraVector spread = this->force(increment);
 
-  const test::Block<dim> serial(MaterialType::mohr_coulomb, MPI_COMM_SELF);
+  const test::Block<dim> serial(test::soil_material<MohrCoulomb>(), MPI_COMM_SELF);
   const NodalVector force("force", dim * serial.parts->nodes.n_local());
   update_stress_and_force<dim>(serial.particles.arrays(), serial.parts->stencils, serial.materials,
                                serial.parts->nodal(increment), force);

@@ -13,9 +13,9 @@ template <typename Dimension> class TangentMatrix : public testing::Test
 public:
   static constexpr int dim = Dimension::value;
 
-  void use(const MaterialType type, const bool stressed = true, const bool f_bar = false)
+  void use(const MaterialParameters& material, const bool stressed = true, const bool f_bar = false)
   {
-    block = std::make_unique<test::Block<dim>>(type, MPI_COMM_WORLD, stressed);
+    block = std::make_unique<test::Block<dim>>(material, MPI_COMM_WORLD, stressed);
     system = block->parts->make_system(f_bar);
     cells = f_bar ? block->parts->cells : CellGroups{};
   }
@@ -81,13 +81,13 @@ TYPED_TEST_SUITE(TangentMatrix, Dimensions, test::DimensionName);
 
 TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheElasticForce)
 {
-  this->use(MaterialType::elastic);
+  this->use(test::soil_material<Elastic>());
   EXPECT_LT(this->error_against_differences(0.1), 1e-6);
 }
 
 TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForce)
 {
-  this->use(MaterialType::mohr_coulomb);
+  this->use(test::soil_material<MohrCoulomb>());
   EXPECT_LT(this->error_against_differences(5e-3), 1e-6);
   const auto [plastic, tensile] = this->count_plastic_and_tensile();
   EXPECT_GT(plastic, this->block->particles.n_global() / 10);
@@ -97,13 +97,13 @@ TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForce)
 
 TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheElasticForceWithFBar)
 {
-  this->use(MaterialType::elastic, true, true);
+  this->use(test::soil_material<Elastic>(), true, true);
   EXPECT_LT(this->error_against_differences(0.1), 1e-6);
 }
 
 TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForceWithFBar)
 {
-  this->use(MaterialType::mohr_coulomb, true, true);
+  this->use(test::soil_material<MohrCoulomb>(), true, true);
   EXPECT_LT(this->error_against_differences(5e-3), 1e-6);
   const auto [plastic, tensile] = this->count_plastic_and_tensile();
   EXPECT_GT(plastic, this->block->particles.n_global() / 10);
@@ -111,10 +111,20 @@ TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForceWithFBar)
   EXPECT_EQ(tensile, 0);
 }
 
+TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheForceOfALawWithMemory)
+{
+  this->use(test::softening_soil());
+  Kokkos::deep_copy(this->block->particles.arrays().state, 0.01);
+  EXPECT_LT(this->error_against_differences(5e-3), 1e-6);
+  const auto [plastic, tensile] = this->count_plastic_and_tensile();
+  EXPECT_GT(plastic, this->block->particles.n_global() / 10);
+  EXPECT_EQ(tensile, 0);
+}
+
 TYPED_TEST(TangentMatrix, SeesNoRigidBodyModesWithoutStress)
 {
   constexpr int dim = TypeParam::value;
-  this->use(MaterialType::elastic, false);
+  this->use(test::soil_material<Elastic>(), false);
   this->assemble(TpetraVector(this->system->graph().row_map));
   std::vector<double> position;
   for (unsigned int v = 0; v < this->block->parts->nodes.n_owned; ++v)
@@ -132,12 +142,12 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
 {
   // the reference sums over the particles of a mesh that this rank has for itself, without any matrix
   constexpr int dim = TypeParam::value;
-  this->use(MaterialType::mohr_coulomb);
+  this->use(test::soil_material<MohrCoulomb>());
   const auto increment = this->block->random_field(5e-3, 1), direction = this->block->random_field(1., 50);
   this->assemble(this->block->parts->owned(*this->system, increment));
   const TpetraVector product = this->times(this->block->parts->owned(*this->system, direction));
 
-  const test::Block<dim> serial(MaterialType::mohr_coulomb, MPI_COMM_SELF);
+  const test::Block<dim> serial(test::soil_material<MohrCoulomb>(), MPI_COMM_SELF);
   const auto deformation = on_host(
       interpolate_increments<dim>(serial.particles.arrays(), serial.parts->stencils, serial.parts->nodal(increment))
           .deformation_gradient);
@@ -161,7 +171,8 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
     for (int i = 0; i < 6; ++i)
       left[i] = b(p, i);
     SpatialTangent tangent;
-    update_stress(dF, left, young(p), on_host(serial.materials)(0), tangent);
+    update_stress(dF, left, {young(p), test::Block<dim>::cell, nullptr}, on_host(serial.materials)(0), nullptr,
+                  tangent);
     const Eigen::Matrix3d spatial = change * dF.inverse();
     Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
     for (int i = 0; i < 3; ++i)
@@ -201,7 +212,7 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
 TYPED_TEST(TangentMatrix, HasScaledIdentitiesForConstrainedDofs)
 {
   constexpr int dim = TypeParam::value;
-  this->use(MaterialType::mohr_coulomb);
+  this->use(test::soil_material<MohrCoulomb>());
   // rollers at the lower end of the first axis
   const auto held = [](const std::array<double, dim>& x, const unsigned int d) { return d == 0 && x[0] < 1e-9; };
   std::vector<unsigned char> constrained;
@@ -241,7 +252,7 @@ TYPED_TEST(TangentMatrix, HasScaledIdentitiesForConstrainedDofs)
 TYPED_TEST(TangentMatrix, ZeroesConstrainedEntriesOfVectors)
 {
   constexpr int dim = TypeParam::value;
-  this->use(MaterialType::elastic);
+  this->use(test::soil_material<Elastic>());
   std::vector<unsigned char> constrained(dim * this->block->parts->nodes.n_local(), 0);
   constrained[1] = 1;
   this->system = this->block->parts->make_system(constrained);
@@ -257,7 +268,7 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
 {
   // one spring at a place inside the first particle's pattern: force = -k (weighted displacement)
   constexpr int dim = TypeParam::value;
-  this->use(MaterialType::elastic);
+  this->use(test::soil_material<Elastic>());
   const auto nodes = on_host(this->block->parts->stencils.pattern_nodes);
   PointForces points;
   points.nodes = {nodes(0), nodes(1), nodes(2)};

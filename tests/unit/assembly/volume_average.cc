@@ -14,7 +14,7 @@ public:
   static constexpr int dim = Dimension::value;
   using Position = std::array<double, dim>;
 
-  FBar() : block(MaterialType::mohr_coulomb), system(block.parts->make_system(true)) {}
+  FBar() : block(test::soil_material<MohrCoulomb>()), system(block.parts->make_system(true)) {}
 
   TpetraVector force(const typename test::Discretisation<dim>::Field& increment, const CellGroups& cells) const
   {

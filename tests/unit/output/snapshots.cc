@@ -47,7 +47,7 @@ TEST(OutputWriter, WritesEverySeries)
   const TemporaryFolder folder;
   Scene<3> scene;
   add_body(scene);
-  OutputWriter<3> writer(everything(), folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(10);
   writer.write_if_due(scene.state(2), 1, false);
 
@@ -65,7 +65,7 @@ TEST(OutputWriter, SceneWithoutBodiesHasNoFilesOfThem)
   Scene<2> scene;
   OutputParameters parameters = everything();
   parameters.csv.particle_fields = {}; // no columns, no file
-  OutputWriter<2> writer(parameters, folder.name(), 1 + 1, MPI_COMM_WORLD);
+  OutputWriter<2> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(10);
   writer.write_if_due(scene.state(123456), 1, false);
 
@@ -83,7 +83,7 @@ TEST(OutputWriter, SeriesAreSwitchedAndTimedOnTheirOwn)
   OutputParameters parameters = everything();
   parameters.vtk.on = false;
   parameters.csv.percent = 50.;
-  OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(4);
   for (unsigned int step = 1; step <= 5; ++step)
     writer.write_if_due(scene.state(step + 1), step, step == 5);
@@ -98,7 +98,7 @@ TEST(OutputWriter, PiecesHoldAllParticlesAndTheFieldsAskedFor)
   Scene<3> scene;
   OutputParameters parameters = everything();
   parameters.vtk.particle_fields = {"initial volume", "stress"};
-  OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(1);
   writer.write_if_due(scene.state(2), 1, true);
 
@@ -121,7 +121,7 @@ TEST(OutputWriter, ParticleTableIsSortedOverRanks)
   Scene<3> scene;
   OutputParameters parameters = everything();
   parameters.csv.particle_fields = {"initial volume", "position"};
-  OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(1);
   writer.write_if_due(scene.state(2), 1, true);
   EXPECT_EQ(read_text_file(folder / "csv/deep/mps_2_00002.csv"), "time,0.5\n"
@@ -142,7 +142,7 @@ TEST(OutputWriter, ContactForcesOfAllRanksAddUp)
   touch.force = {0., 0., 4.};
   touch.surface = 0;
   scene.touches = {touch};
-  OutputWriter<3> writer(everything(), folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(1);
   writer.write_if_due(scene.state(2), 1, true);
   double sum = 0.;
@@ -162,7 +162,7 @@ TEST(OutputWriter, RestartContinuesListsAndTable)
   parameters.csv.body_fields = {"mass"};
   const auto run = [&](unsigned int first, unsigned int last, bool restart)
   {
-    OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+    OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
     if (restart)
       writer.resume_after(first - 1);
     writer.begin_stage(10);
@@ -197,14 +197,14 @@ TEST(OutputWriter, WritesNoStepTwice)
     return std::count(text.begin(), text.end(), '\n') - 1;
   };
   {
-    OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+    OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
     writer.begin_stage(4);
     writer.write_if_due(scene.state(2), 1, false); // a row of the table alone
     writer.write_if_due(scene.state(2), 1, true);  // the run fails in its next step: the rest of the same
   }
   EXPECT_EQ(count_rows(), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "vtk/body.pvd"));
-  OutputWriter<3> writer(parameters, folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.resume_after(2);
   writer.begin_stage(4);
   writer.write_if_due(scene.state(2), 1, true); // the next step has failed again
@@ -213,14 +213,14 @@ TEST(OutputWriter, WritesNoStepTwice)
 
 TEST(OutputWriter, FolderThatCannotBeMadeFailsOnEveryRank)
 {
-  EXPECT_THROW(OutputWriter<3>(everything(), "/proc/no such place", 1, MPI_COMM_WORLD), FileError);
+  EXPECT_THROW(OutputWriter<3>(everything(), "/proc/no such place", {{}}, MPI_COMM_WORLD), FileError);
 }
 
 TEST(OutputWriter, LostFolderFailsOnEveryRank)
 {
   const TemporaryFolder folder;
   Scene<3> scene;
-  OutputWriter<3> writer(everything(), folder.name(), 2, MPI_COMM_WORLD);
+  OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.begin_stage(1);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank_of(MPI_COMM_WORLD) == 0)

@@ -64,9 +64,9 @@ TEST(DragAnchorInput, SoilIsRead)
   ASSERT_EQ(input.material_points.layers.size(), 1u);
   EXPECT_EQ(input.material_points.layers[0].thickness, 18.123);
   const MaterialParameters& sand = input.material_points.layers[0].material;
-  EXPECT_EQ(sand.type, MaterialType::willam_warnke);
-  EXPECT_EQ(sand.friction_angle, 28.5);
-  EXPECT_TRUE(std::isnan(sand.yield_stress));
+  EXPECT_EQ(sand.law, law_index<WillamWarnke>);
+  EXPECT_EQ(sand.constants[law_keys::friction_angle], 28.5);
+  EXPECT_TRUE(std::isnan(sand.constants[law_keys::yield_stress]));
   ASSERT_TRUE(sand.overburden);
   EXPECT_EQ(sand.overburden->exponent, 0.6875);
   EXPECT_FALSE(input.material_points.K0);

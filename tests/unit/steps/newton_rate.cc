@@ -31,13 +31,12 @@ struct Footing : test::StepFixture<3>
   static MaterialParameters sand()
   {
     MaterialParameters material;
-    material.type = MaterialType::mohr_coulomb;
+    material.law = law_index<MohrCoulomb>;
     material.young = 1e7;
     material.poisson = 0.3;
     material.density = 2000.;
-    material.friction_angle = 30.;
-    material.dilation_angle = 10.;
-    material.cohesion = 1e4; // enough to keep away from the apex, whose tangent is stiffer than the exact one
+    // cohesion enough to keep away from the apex, whose tangent is stiffer than the exact one
+    material.constants.values = {{"friction angle", 30.}, {"dilation angle", 10.}, {"cohesion", 1e4}};
     return material;
   }
 
@@ -132,8 +131,8 @@ TEST(NewtonRate, IsQuadraticUnderAFootingThatSlides)
 TEST(NewtonRate, IsQuadraticUnderAFreeFootingThatFallsAndTilts)
 {
   MaterialParameters clay = Footing::sand();
-  clay.type = MaterialType::von_mises; // has no apex, which the impact would reach
-  clay.yield_stress = 3e4;
+  clay.law = law_index<VonMises>; // has no apex, which the impact would reach
+  clay.constants.values = {{"yield stress", 3e4}};
   Footing footing(0.3, clay);
   RigidPoint& point = footing.bodies.points[0];
   point.mass = 2000.;

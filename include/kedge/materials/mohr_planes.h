@@ -1,4 +1,4 @@
-// Mohr-Coulomb's planes, edges and apex in principal space.
+// Return to Mohr-Coulomb's planes, edges and apex in principal space.
 #pragma once
 
 #include <kedge/materials/response.h>
@@ -14,25 +14,22 @@ namespace kedge
 /// tau_1 < tau_3 on the edge sends it to the apex tau_i = c cot(phi), and so it does on either edge where both
 /// inequalities hold. Each test is zero on the common boundary of two regions, where their returns agree: the stress is
 /// continuous in the trial strain, for psi != phi too.
-struct MohrCoulomb
+struct MohrPlanes
 {
   double sin_phi;
   double cos_phi;
   double sin_psi;
-  double cohesion; ///< Pa
+  double cohesion; ///< Pa, > 0
 
   template <bool with_tangent>
-  KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const double young,
-                                  const HenckyElasticity& elasticity) const
+  KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const HenckyElasticity& elasticity) const
   {
-    int order[3] = {0, 1, 2}; // positions of the largest, the middle and the smallest strain
-    sort_pair(trial_strain, order[0], order[1]);
-    sort_pair(trial_strain, order[1], order[2]);
-    sort_pair(trial_strain, order[0], order[1]);
+    int order[3];
+    sort(trial_strain, order);
     const Eigen::Vector3d trial =
         elasticity.stress(Eigen::Vector3d(trial_strain[order[0]], trial_strain[order[1]], trial_strain[order[2]]));
 
-    const double strength = 2. * effective_cohesion(cohesion, young) * cos_phi;
+    const double strength = 2. * cohesion * cos_phi;
     const double f13 = (1. + sin_phi) * trial[0] - (1. - sin_phi) * trial[2] - strength;
     if (f13 <= 2. * elasticity.shear * yield_tolerance)
       return elastic_response<with_tangent>(trial_strain, elasticity);
@@ -68,6 +65,71 @@ struct MohrCoulomb
     return finish<with_tangent>(order, stress, planes, trial_strain, elasticity, Status::edge);
   }
 
+  /// d stress / d q at a fixed trial strain, where the angles' functions change by `change` with a parameter q and
+  /// `response` is what these planes answer to the trial strain: the closed form differentiated. On an edge the
+  /// multipliers solve [a b; b a] lambda = f.
+  KEDGE_FUNCTION Eigen::Vector3d stress_rate(const MohrPlanes& change, const Response& response,
+                                             const Eigen::Vector3d& trial_strain,
+                                             const HenckyElasticity& elasticity) const
+  {
+    if (response.status == Status::elastic)
+      return Eigen::Vector3d::Zero();
+    if (response.status == Status::apex)
+      return Eigen::Vector3d::Constant(cohesion * (change.cos_phi - cos_phi / sin_phi * change.sin_phi) / sin_phi);
+    int order[3];
+    sort(trial_strain, order);
+    const Eigen::Vector3d trial =
+        elasticity.stress(Eigen::Vector3d(trial_strain[order[0]], trial_strain[order[1]], trial_strain[order[2]]));
+    const double lame = elasticity.lame, shear = elasticity.shear;
+    const double product_rate = change.sin_phi * sin_psi + sin_phi * change.sin_psi;
+    const double a = 4. * lame * sin_phi * sin_psi + 4. * shear * (1. + sin_phi * sin_psi);
+    const double a_rate = 4. * (lame + shear) * product_rate;
+    const auto yield = [&](const int high, const int low)
+    { return (1. + sin_phi) * trial[high] - (1. - sin_phi) * trial[low] - 2. * cohesion * cos_phi; };
+    const auto yield_rate = [&](const int high, const int low)
+    { return change.sin_phi * (trial[high] + trial[low]) - 2. * cohesion * change.cos_phi; };
+    const auto flow_rate = [&](const int high, const int low)
+    {
+      Eigen::Vector3d rate = Eigen::Vector3d::Constant(2. * lame * change.sin_psi);
+      rate[high] += 2. * shear * change.sin_psi;
+      rate[low] += 2. * shear * change.sin_psi;
+      return rate;
+    };
+
+    Eigen::Vector3d rate;
+    if (response.status == Status::plastic)
+    {
+      const double multiplier = yield(0, 2) / a;
+      const double multiplier_rate = (yield_rate(0, 2) - a_rate * multiplier) / a;
+      rate = -multiplier_rate * stiff_normal(elasticity, sin_psi, 0, 2) - multiplier * flow_rate(0, 2);
+    }
+    else
+    {
+      const bool extension = response.stress[order[1]] == response.stress[order[2]];
+      const int high = extension ? 0 : 1, low = extension ? 1 : 2, twin = extension ? 2 : 0;
+      const double sign = extension ? 1. : -1.;
+      const double towards = (1. + sign * sin_phi) * (1. + sign * sin_psi);
+      const double b = 4. * lame * sin_phi * sin_psi + 2. * shear * towards;
+      const double b_rate =
+          4. * lame * product_rate +
+          2. * shear * sign * (change.sin_phi * (1. + sign * sin_psi) + change.sin_psi * (1. + sign * sin_phi));
+      const double difference = 2. * shear * (1. - sign * sin_phi) * (1. - sign * sin_psi); // a - b
+      const double inverse = 1. / (difference * (a + b));
+      const double f13 = yield(0, 2), f2 = yield(high, low);
+      const double first = inverse * (a * f13 - b * f2), second = inverse * (a * f2 - b * f13);
+      const double f13_rate = yield_rate(0, 2) - a_rate * first - b_rate * second;
+      const double f2_rate = yield_rate(high, low) - b_rate * first - a_rate * second;
+      rate = -inverse * (a * f13_rate - b * f2_rate) * stiff_normal(elasticity, sin_psi, 0, 2) -
+             inverse * (a * f2_rate - b * f13_rate) * stiff_normal(elasticity, sin_psi, high, low) -
+             first * flow_rate(0, 2) - second * flow_rate(high, low);
+      rate[1] = rate[twin] = 0.5 * (rate[1] + rate[twin]);
+    }
+    Eigen::Vector3d unsorted;
+    for (int i = 0; i < 3; ++i)
+      unsorted[order[i]] = rate[i];
+    return unsorted;
+  }
+
 private:
   /// Of the plane 1-3 and the second one: the stress that a unit of flow relieves, and the derivative of its multiplier
   /// with respect to the sorted trial strain.
@@ -75,6 +137,17 @@ private:
   {
     Eigen::Vector3d flow13, flow2, gradient13, gradient2;
   };
+
+  /// Positions of the largest, the middle and the smallest strain.
+  KEDGE_FUNCTION static void sort(const Eigen::Vector3d& strain, int (&order)[3])
+  {
+    order[0] = 0;
+    order[1] = 1;
+    order[2] = 2;
+    sort_pair(strain, order[0], order[1]);
+    sort_pair(strain, order[1], order[2]);
+    sort_pair(strain, order[0], order[1]);
+  }
 
   KEDGE_FUNCTION static void sort_pair(const Eigen::Vector3d& strain, int& first, int& second)
   {

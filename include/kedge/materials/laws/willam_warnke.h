@@ -2,6 +2,7 @@
 #pragma once
 
 #include <kedge/materials/cone.h>
+#include <kedge/materials/friction.h>
 
 namespace kedge
 {
@@ -12,10 +13,30 @@ namespace kedge
 /// In triaxial compression it is stronger than Mohr-Coulomb: by 2 % at phi = 30 degrees, by 9 % at 40 (c = 0).
 struct WillamWarnke
 {
-  double slope; ///< tan(phi)
-  double eccentricity;
-  double dilatancy; ///< tan(psi)
-  double cohesion;  ///< Pa
+  static constexpr const char* name = "willam warnke";
+  static constexpr std::array keys = {&law_keys::friction_angle, &law_keys::dilation_angle, &law_keys::cohesion};
+  static constexpr std::array<StateVariable, 0> state_variables = {};
+
+  double slope = unset; ///< tan(phi)
+  double eccentricity = unset;
+  double dilatancy = unset; ///< tan(psi)
+  double cohesion = unset;  ///< Pa
+
+  static WillamWarnke make(const LawConstants& constants)
+  {
+    const double friction = constants[law_keys::friction_angle];
+    const double sine = sine_of_degrees(friction);
+    return {tangent_of_degrees(friction), (3. - sine) / (3. + sine),
+            tangent_of_degrees(constants[law_keys::dilation_angle]), constants[law_keys::cohesion]};
+  }
+
+  static void check(const LawConstants& constants, const Refuse& refuse)
+  {
+    check_dilation(constants, refuse);
+    if (constants[law_keys::friction_angle] == 0.)
+      refuse(law_keys::friction_angle, "expected a number above 0 (degrees), found 0",
+             "the cone needs a slope; use \"von mises\" for a soil without friction");
+  }
 
   struct Section
   {
@@ -37,8 +58,8 @@ struct WillamWarnke
   }
 
   template <bool with_tangent>
-  KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const double young,
-                                  const HenckyElasticity& elasticity) const
+  KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const MaterialPoint& point,
+                                  const HenckyElasticity& elasticity, double*) const
   {
     constexpr double sqrt3 = 1.7320508075688772;
     const double x = trial_strain[0], y = trial_strain[1], z = trial_strain[2];
@@ -53,9 +74,9 @@ struct WillamWarnke
     // theta runs against the screw about (1, 1, 1) in every second of the six sectors.
     const double sense = (x - y) * (y - z) * (x - z) >= 0. ? 1. : -1.;
 
-    const double intercept = sqrt3 * effective_cohesion(cohesion, young);
-    return return_to_cone<with_tangent>(trial_strain, elasticity,
-                                        Cone{slope, intercept, dilatancy, here.radius, sense * here.derivative});
+    const double intercept = sqrt3 * effective_cohesion(cohesion, point.young);
+    return Cone{slope, intercept, dilatancy, here.radius, sense * here.derivative, 0.}.respond<with_tangent>(
+        trial_strain, elasticity);
   }
 };
 } // namespace kedge
