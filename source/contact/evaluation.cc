@@ -135,7 +135,11 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && parameters.method == ContactMethod::augmented_lagrangian)
   {
-    pair.trial.multiplier = pair.proposed.multiplier = response.force.dot(at.normal);
+    const double pressure = pair.proposed.multiplier = response.force.dot(at.normal);
+    if (pair.trial.bonded) // from now on the spring alone carries what the multiplier does
+      pair.trial.reference_gap = closest->gap + pressure / pair.stiffness.normal;
+    else
+      pair.trial.multiplier = pressure;
     pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
   }
 }
@@ -150,10 +154,11 @@ template <int dim> void Contact<dim>::augment(const double factor)
 {
   for (Pair& pair : pairs)
   {
+    if (pair.committed.bonded) // springs alone: around edges the nodes cannot keep the gaps of all bonded corners
+      continue;
     const double before = pair.augmented.multiplier;
     pair.augmented = pair.proposed;
-    const double after = before + factor * (pair.proposed.multiplier - before);
-    pair.augmented.multiplier = pair.committed.bonded ? after : std::max(0., after); // only what is bonded pulls
+    pair.augmented.multiplier = std::max(0., before + factor * (pair.proposed.multiplier - before));
   }
 }
 
@@ -162,7 +167,7 @@ template <int dim> double Contact<dim>::excess() const
   double worst = 0.;
   if (parameters.method == ContactMethod::augmented_lagrangian)
     for (const Pair& pair : pairs)
-      if (pair.active)
+      if (pair.active && !pair.committed.bonded)
         worst = std::max(worst, std::abs(pair.gap - pair.committed.reference_gap) /
                                     (parameters.penetration_tolerance * pair.size));
   return max_over_ranks(worst, communicator);

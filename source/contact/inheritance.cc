@@ -57,11 +57,8 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
           inherited.reference_gap /= known;
           // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
           inherited.bonded = bonded == 1. && n_contributing < n;
-          if (!inherited.bonded) // what only presses is not held off its surface and never pulled
-          {
+          if (!inherited.bonded) // what only presses does so no sooner than at the surface
             inherited.reference_gap = std::min(0., inherited.reference_gap);
-            inherited.multiplier = std::max(0., inherited.multiplier);
-          }
           history[{split.children[octant], corner, surface}] = inherited;
         }
   }

@@ -49,11 +49,11 @@ struct ContactRecord
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
-/// by penalties in the normal and tangential direction. On a bonded surface a pair that has touched does not open. With
-/// multipliers the forces that a solution has found are where the springs of the next one start, until corners neither
-/// penetrate nor hold off (Uzawa's iteration; Simo & Laursen 1992, doi 10.1016/0045-7949(92)90540-G). Within a step the
-/// pairs are fixed; their committed history is kept per (particle, corner, surface) and follows particles from rank to
-/// rank.
+/// by penalties in the normal and tangential direction. On a bonded surface a pair that has touched does not open;
+/// springs alone hold it. With multipliers the forces that a solution has found are where the springs of the next one
+/// start, until corners neither penetrate nor hold off (Uzawa's iteration; Simo & Laursen 1992,
+/// doi 10.1016/0045-7949(92)90540-G). Within a step the pairs are fixed; their committed history is kept per (particle,
+/// corner, surface) and follows particles from rank to rank.
 template <int dim> class Contact
 {
 public:
@@ -72,8 +72,8 @@ public:
   void reset_multipliers();
   /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones.
   void augment(double factor);
-  /// How far corners of the last evaluation that press or pull are from touching, over the tolerance; below 1 augment()
-  /// has nothing left to do, as always without multipliers. Collective.
+  /// How far corners of the last evaluation that press and are not bonded are from touching, over the tolerance; below
+  /// 1 augment() has nothing left to do, as always without multipliers. Collective.
   double excess() const;
 
   /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes
