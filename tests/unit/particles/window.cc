@@ -93,7 +93,7 @@ TYPED_TEST(WaitingParticles, AreNoWork)
   Window<dim> corner;
   corner.upper.fill(2);
   this->mesh.set_window(corner);
-  this->particles.balance_load(this->mesh, 1000.);
+  this->particles.balance_load(1000.);
   const double mine = this->particles.ids().size(),
                mean = sum_over_ranks(mine, MPI_COMM_WORLD) / size_of(MPI_COMM_WORLD);
   EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD), 1.6 * mean); // on three ranks two cells of four are on one

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/materials/laws.h>
 #include <kedge/parameters/json.h>
 #include <kedge/simulation/input.h>
 

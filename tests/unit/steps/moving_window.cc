@@ -239,7 +239,6 @@ TYPED_TEST(MovingWindow, GivesTheSameReactionOnAnyNumberOfRanksAsItMoves)
 
 TYPED_TEST(MovingWindow, RefinesNoWaitingSoil)
 {
-  constexpr int dim = TypeParam::value;
   this->ask_for_planes(0., 0., false);
   this->place_planes();
   Adaptivity adaptivity;
@@ -260,7 +259,6 @@ TYPED_TEST(MovingWindow, RefinesNoWaitingSoil)
 
 TYPED_TEST(MovingWindow, KeepsTheCellsThatSmallWaitingParticlesNeed)
 {
-  constexpr int dim = TypeParam::value;
   Adaptivity adaptivity;
   adaptivity.type = AdaptivityType::rigid_body_surface;
   adaptivity.element_size = 0.25;
