@@ -1,14 +1,14 @@
 # One static library per room (a folder below source/), linked to the rooms and packages that it names.
 
 # Trilinos 13 has no modern targets for its include folders; this library gathers them.
-add_library(Trilinos INTERFACE)
-target_include_directories(Trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
-target_link_libraries(Trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
+add_library(trilinos INTERFACE)
+target_include_directories(trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
+target_link_libraries(trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
 
 # The same for deal.II, whose own macros would force its flags on every target.
 add_library(deal.II INTERFACE)
 target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
-target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} Trilinos)
+target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} trilinos)
 
 # SuiteSparse of Debian 12 has no CMake files.
 add_library(UMFPACK INTERFACE)
@@ -23,18 +23,47 @@ if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()
 
+# The headers of deal.II and Trilinos take longer to parse than Kedge's own code to compile: most rooms and tests share
+# one of two precompiled headers. A target can share one only if it has the same compiler flags.
+if(KEDGE_PRECOMPILED)
+  foreach(kind trilinos deal.II)
+    set(file ${PROJECT_BINARY_DIR}/precompiled_${kind}.cc)
+    file(CONFIGURE OUTPUT ${file} CONTENT "// Stands for the precompiled headers of ${kind}.\n")
+    add_library(precompiled_${kind} OBJECT ${file})
+    target_link_libraries(precompiled_${kind} PRIVATE kedge_options ${kind} fmt::fmt Eigen3::Eigen MPI::MPI_CXX)
+    set(headers <algorithm> <array> <cmath> <functional> <limits> <map> <memory> <optional> <string> <vector> <fmt/format.h>
+                <Eigen/Dense> ${PROJECT_SOURCE_DIR}/include/kedge/base/tpetra.h)
+    if(kind STREQUAL deal.II)
+      list(APPEND headers <deal.II/distributed/tria.h> <deal.II/dofs/dof_handler.h> <deal.II/fe/mapping_cartesian.h>
+                          <deal.II/particles/particle_handler.h>)
+    endif()
+    target_precompile_headers(precompiled_${kind} PRIVATE ${headers})
+  endforeach()
+endif()
+
+# Lets a target share the precompiled header of a kind: trilinos or deal.II.
+function(kedge_share_headers target kind)
+  if(KEDGE_PRECOMPILED)
+    target_precompile_headers(${target} REUSE_FROM precompiled_${kind})
+  endif()
+endfunction()
+
 # kedge_room(name ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
 #   ROOMS          rooms that it may include and links
 #   HEADERS_OF     rooms that it may include without linking; only scripts/checks/check-floors reads this list
 #   LINKS          packages that it and every room above it links
 #   PRIVATE_LINKS  packages that it alone links
+#   HEADERS        precompiled headers that it shares, if any: trilinos or deal.II
 function(kedge_room name)
-  cmake_parse_arguments(ROOM "" "" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "HEADERS" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
   list(TRANSFORM ROOM_ROOMS PREPEND kedge_)
   if(sources)
     add_library(kedge_${name} STATIC ${sources})
     target_link_libraries(kedge_${name} PUBLIC kedge_options ${ROOM_ROOMS} ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
+    if(ROOM_HEADERS)
+      kedge_share_headers(kedge_${name} ${ROOM_HEADERS})
+    endif()
   else()
     add_library(kedge_${name} INTERFACE)
     target_link_libraries(kedge_${name} INTERFACE kedge_options ${ROOM_ROOMS} ${ROOM_LINKS})

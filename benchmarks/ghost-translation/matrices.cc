@@ -62,7 +62,7 @@ ParticleArrays make_arrays(const std::size_t n, const double volume)
   arrays.trial_stress = View<double* [6]>("stress", n);
   arrays.trial_plastic = View<double*>("plastic", n);
   arrays.cell_size = View<double*>("cell size", n);
-  arrays.state = arrays.trial_state = View<double * [Laws::max_state]>("state", n);
+  arrays.state = arrays.trial_state = StateView("state", n);
   return arrays;
 }
 

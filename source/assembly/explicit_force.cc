@@ -36,12 +36,10 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
           for (int c = 0; c < 3; ++c)
             before(r, c) = path.inverse_deformation(p, 3 * r + c);
         SymmetricTensor b = row_of(path.left_cauchy_green, p);
-        const Material& material = materials(particles.layer(p));
-        LocalState state;
-        load_state(particles.trial_state, p, material, state);
+        double* state = &particles.trial_state(p, 0);
         const StressUpdate update =
             advance_stress(stretch<dim>(dF, factor, p) * before, b, {particles.young(p), particles.cell_size(p), state},
-                           material, state);
+                           materials(particles.layer(p)), state);
         if (update.status == Status::inverted || !(determinant(dF) > 0.))
         {
           ++inverted;
@@ -55,7 +53,6 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
         set_row(particles.trial_stress, p, update.stress);
         set_row(particles.trial_strain, p, update.elastic_strain);
         particles.trial_plastic(p) += update.plastic_increment;
-        store_state(particles.trial_state, p, material, state);
         add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },
       n_inverted);

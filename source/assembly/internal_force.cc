@@ -16,12 +16,10 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        const Material& material = materials(particles.layer(p));
-        LocalState state;
-        load_state(particles.state, p, material, state);
         const StressUpdate update =
             update_stress(stretch<dim>(dF, factor, p), row_of(particles.elastic_left_cauchy_green, p),
-                          {particles.young(p), particles.cell_size(p), state}, material, state);
+                          {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
+                          materials(particles.layer(p)), &particles.trial_state(p, 0));
         if (update.status == Status::inverted)
         {
           ++inverted;
@@ -30,7 +28,6 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
         set_row(particles.trial_stress, p, update.stress);
         set_row(particles.trial_strain, p, update.elastic_strain);
         particles.trial_plastic(p) = update.plastic_increment;
-        store_state(particles.trial_state, p, material, state);
         add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
       },
       n_inverted);

@@ -49,12 +49,10 @@ template <int dim> struct TangentKernel
     for (int i = 0; i < 6; ++i)
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
-    const Material& material = materials(particles.layer(p));
-    LocalState state; // its end is of no interest here
-    load_state(particles.state, p, material, state);
-    const StressUpdate update =
-        update_stress(stretch<dim>(dF, volume_factor, p), b, {particles.young(p), particles.cell_size(p), state},
-                      material, state, tangent, elastic_share);
+    double next_state[Laws::max_state]; // of no interest here
+    const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b,
+                                              {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
+                                              materials(particles.layer(p)), next_state, tangent, elastic_share);
     if (volume_factor.extent(0) > 0)
       take_out_dilation(p, update.stress, tangent);
     const double volume = particles.initial_volume(p);

@@ -5,7 +5,7 @@
 #include <kedge/assembly/node_graph.h>
 #include <kedge/base/kokkos.h>
 #include <kedge/basis/stencil.h>
-#include <kedge/materials/material.h>
+#include <kedge/materials/hencky.h>
 #include <kedge/particles/arrays.h>
 #include <type_traits>
 
@@ -114,25 +114,6 @@ KEDGE_FUNCTION void set_row(const View<double* [6]>& view, const unsigned int p,
 {
   for (int i = 0; i < 6; ++i)
     view(p, i) = s[i];
-}
-
-/// Room for the state variables of one particle.
-using LocalState = double[Laws::max_state];
-
-/// Copies the state variables that the particle's material uses out of the view, and back. Materials without memory
-/// touch nothing.
-KEDGE_FUNCTION void load_state(const View<double * [Laws::max_state]>& view, const unsigned int p,
-                               const Material& material, LocalState& state)
-{
-  for (unsigned int i = 0; i < material.n_state; ++i)
-    state[i] = view(p, i);
-}
-
-KEDGE_FUNCTION void store_state(const View<double * [Laws::max_state]>& view, const unsigned int p,
-                                const Material& material, const LocalState& state)
-{
-  for (unsigned int i = 0; i < material.n_state; ++i)
-    view(p, i) = state[i];
 }
 
 /// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S with the

@@ -17,7 +17,7 @@ struct Cone
   double derivative; ///< d r / d angle, the angle counted about (1, 1, 1) as a right-handed screw turns
   double hardening;  ///< d intercept / d gamma, Pa; 0 where the slope is not 0
 
-  /// Backward Euler on the  The potential's section is a circle, so the return keeps the deviator's direction, and
+  /// Backward Euler. The potential's section is a circle, so the return keeps the deviator's direction, and
   /// with it r; f is then linear in the plastic multiplier:
   ///   gamma = f_trial / (2 G + r hardening + 3 K slope r dilatancy), rho = rho_trial - 2 G gamma,
   ///   xi = xi_trial - 3 K dilatancy gamma,

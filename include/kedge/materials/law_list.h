@@ -154,8 +154,9 @@ private:
                                               const Eigen::Vector3d& trial_strain, const MaterialPoint& point,
                                               const HenckyElasticity& elasticity, double* next_state)
   {
+    constexpr unsigned int own = index<Law>();
     if constexpr (sizeof...(Others) > 0)
-      if (position != index<Law>())
+      if (position != own)
         return respond_from<with_tangent, Others...>(position, laws, trial_strain, point, elasticity, next_state);
     return laws.template get<Law>().template respond<with_tangent>(trial_strain, point, elasticity, next_state);
   }

@@ -80,50 +80,9 @@ struct MohrPlanes
     sort(trial_strain, order);
     const Eigen::Vector3d trial =
         elasticity.stress(Eigen::Vector3d(trial_strain[order[0]], trial_strain[order[1]], trial_strain[order[2]]));
-    const double lame = elasticity.lame, shear = elasticity.shear;
-    const double product_rate = change.sin_phi * sin_psi + sin_phi * change.sin_psi;
-    const double a = 4. * lame * sin_phi * sin_psi + 4. * shear * (1. + sin_phi * sin_psi);
-    const double a_rate = 4. * (lame + shear) * product_rate;
-    const auto yield = [&](const int high, const int low)
-    { return (1. + sin_phi) * trial[high] - (1. - sin_phi) * trial[low] - 2. * cohesion * cos_phi; };
-    const auto yield_rate = [&](const int high, const int low)
-    { return change.sin_phi * (trial[high] + trial[low]) - 2. * cohesion * change.cos_phi; };
-    const auto flow_rate = [&](const int high, const int low)
-    {
-      Eigen::Vector3d rate = Eigen::Vector3d::Constant(2. * lame * change.sin_psi);
-      rate[high] += 2. * shear * change.sin_psi;
-      rate[low] += 2. * shear * change.sin_psi;
-      return rate;
-    };
-
-    Eigen::Vector3d rate;
-    if (response.status == Status::plastic)
-    {
-      const double multiplier = yield(0, 2) / a;
-      const double multiplier_rate = (yield_rate(0, 2) - a_rate * multiplier) / a;
-      rate = -multiplier_rate * stiff_normal(elasticity, sin_psi, 0, 2) - multiplier * flow_rate(0, 2);
-    }
-    else
-    {
-      const bool extension = response.stress[order[1]] == response.stress[order[2]];
-      const int high = extension ? 0 : 1, low = extension ? 1 : 2, twin = extension ? 2 : 0;
-      const double sign = extension ? 1. : -1.;
-      const double towards = (1. + sign * sin_phi) * (1. + sign * sin_psi);
-      const double b = 4. * lame * sin_phi * sin_psi + 2. * shear * towards;
-      const double b_rate =
-          4. * lame * product_rate +
-          2. * shear * sign * (change.sin_phi * (1. + sign * sin_psi) + change.sin_psi * (1. + sign * sin_phi));
-      const double difference = 2. * shear * (1. - sign * sin_phi) * (1. - sign * sin_psi); // a - b
-      const double inverse = 1. / (difference * (a + b));
-      const double f13 = yield(0, 2), f2 = yield(high, low);
-      const double first = inverse * (a * f13 - b * f2), second = inverse * (a * f2 - b * f13);
-      const double f13_rate = yield_rate(0, 2) - a_rate * first - b_rate * second;
-      const double f2_rate = yield_rate(high, low) - b_rate * first - a_rate * second;
-      rate = -inverse * (a * f13_rate - b * f2_rate) * stiff_normal(elasticity, sin_psi, 0, 2) -
-             inverse * (a * f2_rate - b * f13_rate) * stiff_normal(elasticity, sin_psi, high, low) -
-             first * flow_rate(0, 2) - second * flow_rate(high, low);
-      rate[1] = rate[twin] = 0.5 * (rate[1] + rate[twin]);
-    }
+    const bool extension = response.stress[order[1]] == response.stress[order[2]];
+    const Eigen::Vector3d rate = response.status == Status::plastic ? plane_rate(change, trial, elasticity)
+                                                                    : edge_rate(change, trial, elasticity, extension);
     Eigen::Vector3d unsorted;
     for (int i = 0; i < 3; ++i)
       unsorted[order[i]] = rate[i];
@@ -131,6 +90,75 @@ struct MohrPlanes
   }
 
 private:
+  /// The stiffness a of a plane with itself, and the derivative of sin(phi) sin(psi) in it.
+  KEDGE_FUNCTION double own_stiffness(const HenckyElasticity& elasticity) const
+  {
+    return 4. * elasticity.lame * sin_phi * sin_psi + 4. * elasticity.shear * (1. + sin_phi * sin_psi);
+  }
+  KEDGE_FUNCTION double product_rate(const MohrPlanes& change) const
+  {
+    return change.sin_phi * sin_psi + sin_phi * change.sin_psi;
+  }
+
+  /// Yield function of the plane high-low at sorted stresses, and its derivative.
+  KEDGE_FUNCTION double yield(const Eigen::Vector3d& trial, const int high, const int low) const
+  {
+    return (1. + sin_phi) * trial[high] - (1. - sin_phi) * trial[low] - 2. * cohesion * cos_phi;
+  }
+  KEDGE_FUNCTION double yield_rate(const MohrPlanes& change, const Eigen::Vector3d& trial, const int high,
+                                   const int low) const
+  {
+    return change.sin_phi * (trial[high] + trial[low]) - 2. * cohesion * change.cos_phi;
+  }
+
+  /// d stiff_normal / d sine.
+  KEDGE_FUNCTION static Eigen::Vector3d stiff_normal_rate(const HenckyElasticity& elasticity, const int high,
+                                                          const int low)
+  {
+    Eigen::Vector3d rate = Eigen::Vector3d::Constant(2. * elasticity.lame);
+    rate[high] += 2. * elasticity.shear;
+    rate[low] += 2. * elasticity.shear;
+    return rate;
+  }
+
+  /// Of the sorted stress on the plane 1-3.
+  KEDGE_FUNCTION Eigen::Vector3d plane_rate(const MohrPlanes& change, const Eigen::Vector3d& trial,
+                                            const HenckyElasticity& elasticity) const
+  {
+    const double a = own_stiffness(elasticity);
+    const double a_rate = 4. * (elasticity.lame + elasticity.shear) * product_rate(change);
+    const double multiplier = yield(trial, 0, 2) / a;
+    const double multiplier_rate = (yield_rate(change, trial, 0, 2) - a_rate * multiplier) / a;
+    return -multiplier_rate * stiff_normal(elasticity, sin_psi, 0, 2) -
+           (multiplier * change.sin_psi) * stiff_normal_rate(elasticity, 0, 2);
+  }
+
+  /// Of the sorted stress on an edge.
+  KEDGE_FUNCTION Eigen::Vector3d edge_rate(const MohrPlanes& change, const Eigen::Vector3d& trial,
+                                           const HenckyElasticity& elasticity, const bool extension) const
+  {
+    const double lame = elasticity.lame, shear = elasticity.shear;
+    const int high = extension ? 0 : 1, low = extension ? 1 : 2, twin = extension ? 2 : 0;
+    const double sign = extension ? 1. : -1.;
+    const double a = own_stiffness(elasticity), a_rate = 4. * (lame + shear) * product_rate(change);
+    const double b = 4. * lame * sin_phi * sin_psi + 2. * shear * (1. + sign * sin_phi) * (1. + sign * sin_psi);
+    const double b_rate =
+        4. * lame * product_rate(change) +
+        2. * shear * sign * (change.sin_phi * (1. + sign * sin_psi) + change.sin_psi * (1. + sign * sin_phi));
+    const double difference = 2. * shear * (1. - sign * sin_phi) * (1. - sign * sin_psi); // a - b
+    const double inverse = 1. / (difference * (a + b));
+    const double f13 = yield(trial, 0, 2), f2 = yield(trial, high, low);
+    const double first = inverse * (a * f13 - b * f2), second = inverse * (a * f2 - b * f13);
+    const double f13_rate = yield_rate(change, trial, 0, 2) - a_rate * first - b_rate * second;
+    const double f2_rate = yield_rate(change, trial, high, low) - b_rate * first - a_rate * second;
+    Eigen::Vector3d rate = -inverse * (a * f13_rate - b * f2_rate) * stiff_normal(elasticity, sin_psi, 0, 2) -
+                           inverse * (a * f2_rate - b * f13_rate) * stiff_normal(elasticity, sin_psi, high, low) -
+                           (first * change.sin_psi) * stiff_normal_rate(elasticity, 0, 2) -
+                           (second * change.sin_psi) * stiff_normal_rate(elasticity, high, low);
+    rate[1] = rate[twin] = 0.5 * (rate[1] + rate[twin]);
+    return rate;
+  }
+
   /// Of the plane 1-3 and the second one: the stress that a unit of flow relieves, and the derivative of its multiplier
   /// with respect to the sorted trial strain.
   struct Planes

@@ -137,7 +137,7 @@ KEDGE_FUNCTION double find_softening(const Law& law, const Eigen::Vector3d& tria
   const double before = point.state[0];
   const double round_off =
       1e-15 * std::fmax(std::fabs(trial_strain[0]), std::fmax(std::fabs(trial_strain[1]), std::fabs(trial_strain[2])));
-  double low = before, high = std::numeric_limits<double>::infinity();
+  double low = before, high = INFINITY;
   double kappa = before + sqrt3 * first_increment;
   for (int i = 0; i < 100 && high - low > round_off; ++i)
   {
@@ -158,7 +158,7 @@ KEDGE_FUNCTION double find_softening(const Law& law, const Eigen::Vector3d& tria
         break;
     }
     else
-      kappa = high < std::numeric_limits<double>::infinity() ? 0.5 * (low + high) : before + 4. * (kappa - before);
+      kappa = high < INFINITY ? 0.5 * (low + high) : before + 4. * (kappa - before);
   }
   return kappa;
 }

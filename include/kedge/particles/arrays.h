@@ -6,19 +6,22 @@
 
 namespace kedge
 {
+/// The laws' state variables, a row of neighbours in memory for each particle: the laws read and write them in place.
+using StateView = Kokkos::View<double * [Laws::max_state], Kokkos::LayoutRight, MemorySpace>;
+
 /// What the kernels read and write, one entry per particle of this rank. Trial data become committed only through
 /// ParticleSet::commit.
 struct ParticleArrays
 {
   std::size_t n = 0;
-  View<double* [6]> elastic_left_cauchy_green;         ///< committed: exp(2 eps_e)
-  View<double*> young, initial_volume, mass;           ///< committed
-  View<unsigned int*> layer;                           ///< committed
-  View<double*> cell_size;                             ///< edge of the cell in which the particle is, m
-  View<double*[3]> velocity, acceleration;             ///< committed, m/s, m/s2
-  View<double*[6]> trial_strain, trial_stress;         ///< elastic logarithmic strain; Kirchhoff stress, Pa
-  View<double*> trial_plastic;                         ///< increment of the equivalent plastic strain
-  View<double * [Laws::max_state]> state, trial_state; ///< the laws' state variables: committed; at the step's end
+  View<double* [6]> elastic_left_cauchy_green; ///< committed: exp(2 eps_e)
+  View<double*> young, initial_volume, mass;   ///< committed
+  View<unsigned int*> layer;                   ///< committed
+  View<double*> cell_size;                     ///< edge of the cell in which the particle is, m
+  View<double*[3]> velocity, acceleration;     ///< committed, m/s, m/s2
+  View<double*[6]> trial_strain, trial_stress; ///< elastic logarithmic strain; Kirchhoff stress, Pa
+  View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
+  StateView state, trial_state;                ///< the laws' state variables: committed; at the step's end
 };
 
 /// What happens to an array that mirrors a field when a step is committed.

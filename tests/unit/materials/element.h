@@ -52,6 +52,8 @@ private:
       answer = respond((elastic_strain + strains(x)).eval(), state, material, size);
       const auto [rest, slope] = residual(answer);
       x -= rest / slope;
+      if (std::abs(rest / slope) < 1e-17)
+        break;
     }
     answer = respond((elastic_strain + strains(x)).eval(), state, material, size);
     strain += strains(x);
