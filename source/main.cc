@@ -5,8 +5,8 @@
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/geometry/command.h>
-#include <kedge/simulation/doubts.h>
 #include <kedge/simulation/estimate.h>
+#include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/version.h>
 
@@ -50,8 +50,8 @@ void check(const Arguments& arguments)
   kedge::refuse_unavailable_features(input);
   const kedge::RigidSystems bodies = kedge::make_rigid_systems(input.systems, input.dimension);
   fmt::print("{}: valid\n", arguments.file);
-  for (const std::string& doubt : kedge::find_doubts(input, bodies))
-    fmt::print("warning: {}\n", doubt);
+  for (const std::string& warning : kedge::find_warnings(input, bodies))
+    fmt::print("warning: {}\n", warning);
   fmt::print("{}", kedge::format_estimate(input, kedge::estimate_cost(input)));
 }
 

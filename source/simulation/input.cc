@@ -1,7 +1,10 @@
 #include "input_rules.h"
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <kedge/base/exceptions.h>
+#include <kedge/materials/laws.h>
+#include <kedge/output/fields.h>
 #include <kedge/parameters/manual.h>
 #include <kedge/parameters/section.h>
 #include <kedge/simulation/input.h>
@@ -138,12 +141,38 @@ std::string input_schema()
   return schema.dump(2) + "\n";
 }
 
+namespace
+{
+std::string manual_of_fields()
+{
+  std::string page =
+      "\n## Fields of material points\n\n"
+      "Names for `vtk material point fields` and `csv material point fields`, with the columns of tables.\n\n"
+      "| field | columns | unit | meaning |\n|---|---|---|---|\n";
+  for (const FieldDescription& field : describe_particle_fields())
+    page += fmt::format("| `{}` | {} | {} | {} |\n", field.name, field.columns, field.unit, field.sentence);
+  page +=
+      "\n## State variables of laws\n\n"
+      "`law state` stands for the state variables of a layer's law, each a column of its own; laws without memory have "
+      "none.\n\n"
+      "| law | variable | unit | meaning |\n|---|---|---|---|\n";
+  Laws::for_each(
+      [&](const auto tag)
+      {
+        using Law = typename decltype(tag)::type;
+        for (const StateVariable& variable : Law::state_variables)
+          page += fmt::format("| {} | `{}` | {} | {} |\n", Law::name, variable.name, variable.unit, variable.sentence);
+      });
+  return page;
+}
+} // namespace
+
 std::string input_manual()
 {
   return "# Input parameters\n\n"
          "Generated from the declarations in the code; do not edit. An unknown key, a wrong type or a value out of\n"
          "bounds is an error; a key named `comment` may stand in every object. `x[]` stands for an entry of the list\n"
          "`x`. In 2-D, vectors are [x, z].\n" +
-         markdown_tables(input_section().schema());
+         markdown_tables(input_section().schema()) + manual_of_fields();
 }
 } // namespace kedge

@@ -6,9 +6,9 @@
 #include <kedge/output/checkpoint.h>
 #include <kedge/output/snapshots.h>
 #include <kedge/simulation/checkpoints.h>
-#include <kedge/simulation/doubts.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/run_log.h>
+#include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/soil/placement.h>
 #include <kedge/steps/explicit_step.h>
@@ -92,8 +92,8 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
       writer(input_.output, options.output_directory, states_of(input_.material_points.layers), MPI_COMM_WORLD),
       checkpoints(input_.output, options.output_directory)
 {
-  for (const std::string& doubt : find_doubts(input, bodies))
-    log.report().warn(doubt);
+  for (const std::string& warning : find_warnings(input, bodies))
+    log.report().warn(warning);
   if (options.restart)
     resume();
   else
@@ -253,8 +253,8 @@ template <int dim> void Simulation<dim>::move_window()
   if (has_warned_of_window ||
       !reach_beyond<dim>(soil.mesh().leaves().window, extent_of<dim>(bodies), soil.mesh().layout()))
     return;
-  log.report().warn(fmt::format("step {}: a body reaches beyond a plane of the window, which may not follow it that "
-                                "way, into soil that is not active; set \"advance\" to \"both\"",
+  log.report().warn(fmt::format("step {}: a body reaches beyond a plane of the window, which may not follow it in "
+                                "that direction, into soil that is not active; set \"advance\" to \"both\"",
                                 step_number));
   has_warned_of_window = true;
 }

@@ -134,8 +134,8 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
     return report;
   if (!admissible)
     report.failure = "a material point turned inside out";
-  else if (const double way = largest_way_in_cells(); way > most_cells_per_step)
-    report.failure = fmt::format("a material point moved by {:.2g} of a cell", way);
+  else if (const double distance = largest_distance_in_cells(); distance > most_cells_per_step)
+    report.failure = fmt::format("a material point moved by {:.2g} of a cell", distance);
   report.converged = report.failure.empty();
   return report;
 }
@@ -211,10 +211,10 @@ template <int dim> void ExplicitStep<dim>::drift(const double time)
       KOKKOS_LAMBDA(const std::size_t i) { d(i) += time * v(i); });
 }
 
-template <int dim> double ExplicitStep<dim>::largest_way_in_cells() const
+template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
 {
-  const View<double* [3]> way = interpolate_to_particles(basis.stencils, increment);
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), way);
+  const View<double* [3]> displacement = interpolate_to_particles(basis.stencils, increment);
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), displacement);
   const LeafTable<dim>& table = context.soil.mesh().leaves();
   double largest = 0.;
   for (std::size_t p = 0; p < host.extent(0); ++p)

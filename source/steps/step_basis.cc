@@ -20,8 +20,8 @@ template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>
                                  context.solver.poor_factor, context.soil.communicator());
 }
 
-/// Marks the leaves that are full. Where there is empty space the soil that faces it may expand, and must not lend its
-/// neighbours in the cell the pressure that they then press it on with.
+/// Marks the leaves that are full. Only full leaves average their volume change (F-bar): beside a void, dilating soil
+/// would inherit its neighbours' pressure and keep pushing outwards.
 template <int dim>
 std::vector<unsigned char> find_full_leaves(const LeafTable<dim>& table, const std::vector<LeafContent>& contents)
 {
@@ -109,10 +109,10 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
   {
     const bool moves_freely = point.n_free_dofs() > 0;
     const Vector6 expected = point.prescribed_increment(1.) + (moves_freely ? whole.dt : 0.) * point.velocity;
-    double way = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
+    double distance = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
     if (moves_freely) // it may speed up
-      way = 2. * way + whole.gravity.norm() * whole.dt * whole.dt;
-    reach = std::max(reach, way);
+      distance = 2. * distance + whole.gravity.norm() * whole.dt * whole.dt;
+    reach = std::max(reach, distance);
   }
   const ParticleSet<dim>& particles = context.soil.particles();
   const std::vector<double> volume = download(particles.arrays().initial_volume);

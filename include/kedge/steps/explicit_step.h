@@ -43,7 +43,7 @@ private:
   bool follow_forces();
   void kick(double time);
   void drift(double time);
-  double largest_way_in_cells() const;
+  double largest_distance_in_cells() const;
 
   StepContext<dim> context;
   StepBasis basis;

@@ -30,43 +30,60 @@ struct Particle
 
 using Values = std::vector<double>;
 
+/// What lies at these places behind an offset, times a factor.
+Values stored(const unsigned int offset, const std::vector<unsigned int>& places, const double factor = 1.)
+{
+  Values values;
+  for (const unsigned int place : places)
+    values.push_back(factor * (offset + place));
+  return values;
+}
+
+/// Stored as xx, zz, yy, xz, zy, xy.
+const std::vector<unsigned int> symmetric_in_plane_strain = {0, 2, 1, 5, 4, 3};
+
 TEST(ParticleFields, EveryNameOfTheInputIsKnown)
 {
-  EXPECT_EQ(select_particle_fields<2>(particle_field_names()).size(), particle_field_names().size());
-  EXPECT_EQ(select_particle_fields<3>(particle_field_names()).size(), particle_field_names().size());
+  const std::vector<StateVariable> two = {{"strength", "Pa", ""}, {"strain", "-", ""}};
+  for (const std::string& name : particle_field_names())
+  {
+    const std::size_t expected = name == "law state" ? 2 : 1;
+    EXPECT_EQ(select_particle_fields<2>({name}, two).size(), expected) << name;
+    EXPECT_EQ(select_particle_fields<3>({name}, two).size(), expected) << name;
+  }
 }
 
 TEST(ParticleFields, VectorsInSpace)
 {
   const Particle particle;
-  EXPECT_EQ(particle.evaluate<3>("initial position"), Values({0, 1, 2}));
+  const double start = field::initial_position;
+  EXPECT_EQ(particle.evaluate<3>("initial position"), stored(field::initial_position, {0, 1, 2}));
   EXPECT_EQ(particle.evaluate<3>("position"), Values({100, 200, 300}));
-  EXPECT_EQ(particle.evaluate<3>("displacement"), Values({100, 199, 298}));
-  EXPECT_EQ(particle.evaluate<3>("lp"), Values({3, 4, 5}));
-  EXPECT_EQ(particle.evaluate<3>("velocity"), Values({30, 31, 32}));
-  EXPECT_EQ(particle.evaluate<3>("acceleration"), Values({33, 34, 35}));
+  EXPECT_EQ(particle.evaluate<3>("displacement"), Values({100 - start, 199 - start, 298 - start}));
+  EXPECT_EQ(particle.evaluate<3>("lp"), stored(field::half_width, {0, 1, 2}));
+  EXPECT_EQ(particle.evaluate<3>("velocity"), stored(field::velocity, {0, 1, 2}));
+  EXPECT_EQ(particle.evaluate<3>("acceleration"), stored(field::acceleration, {0, 1, 2}));
 }
 
 TEST(ParticleFields, VectorsInPlaneStrainHaveYOutOfThePlane)
 {
   const Particle particle;
-  EXPECT_EQ(particle.evaluate<2>("initial position"), Values({0, 2, 1}));
+  EXPECT_EQ(particle.evaluate<2>("initial position"), stored(field::initial_position, {0, 2, 1}));
   EXPECT_EQ(particle.evaluate<2>("position"), Values({100, 0, 200}));
-  EXPECT_EQ(particle.evaluate<2>("lp"), Values({3, 5, 4}));
-  EXPECT_EQ(particle.evaluate<2>("velocity"), Values({30, 32, 31}));
+  EXPECT_EQ(particle.evaluate<2>("lp"), stored(field::half_width, {0, 2, 1}));
+  EXPECT_EQ(particle.evaluate<2>("velocity"), stored(field::velocity, {0, 2, 1}));
 }
 
 TEST(ParticleFields, StressIsKirchhoffOverVolumeRatio)
 {
-  EXPECT_EQ(Particle().evaluate<3>("stress"), Values({12, 12.5, 13, 13.5, 14, 14.5}));
+  EXPECT_EQ(Particle().evaluate<3>("stress"), stored(field::stress, {0, 1, 2, 3, 4, 5}, 0.5));
 }
 
 TEST(ParticleFields, SymmetricTensorsInPlaneStrain)
 {
-  // stored xx, zz, yy, xz, zy, xy as 18 to 23
-  EXPECT_EQ(Particle().evaluate<3>("strain"), Values({18, 19, 20, 21, 22, 23}));
-  EXPECT_EQ(Particle().evaluate<2>("strain"), Values({18, 20, 19, 23, 22, 21}));
-  EXPECT_EQ(Particle().evaluate<2>("stress"), Values({12, 13, 12.5, 14.5, 14, 13.5}));
+  EXPECT_EQ(Particle().evaluate<3>("strain"), stored(field::elastic_strain, {0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(Particle().evaluate<2>("strain"), stored(field::elastic_strain, symmetric_in_plane_strain));
+  EXPECT_EQ(Particle().evaluate<2>("stress"), stored(field::stress, symmetric_in_plane_strain, 0.5));
 }
 
 TEST(ParticleFields, DeformationGradient)
@@ -78,11 +95,25 @@ TEST(ParticleFields, DeformationGradient)
 TEST(ParticleFields, Scalars)
 {
   const Particle particle;
-  EXPECT_EQ(particle.evaluate<3>("initial volume"), Values({36}));
-  EXPECT_EQ(particle.evaluate<3>("volume"), Values({72}));
-  EXPECT_EQ(particle.evaluate<3>("young modulus"), Values({38}));
-  EXPECT_EQ(particle.evaluate<3>("plastic strain"), Values({39}));
-  EXPECT_EQ(particle.evaluate<3>("contact gap"), Values({41}));
+  EXPECT_EQ(particle.evaluate<3>("initial volume"), stored(field::initial_volume, {0}));
+  EXPECT_EQ(particle.evaluate<3>("volume"), stored(field::initial_volume, {0}, 2.));
+  EXPECT_EQ(particle.evaluate<3>("young modulus"), stored(field::young, {0}));
+  EXPECT_EQ(particle.evaluate<3>("plastic strain"), stored(field::plastic_strain, {0}));
+  EXPECT_EQ(particle.evaluate<3>("contact gap"), stored(field::contact_gap, {0}));
+}
+
+TEST(ParticleFields, StateVariablesHaveTheNamesOfTheLaw)
+{
+  const Particle particle;
+  const auto fields = select_particle_fields<2>({"law state"}, {{"strength", "Pa", ""}, {"strain", "-", ""}});
+  ASSERT_EQ(fields.size(), 2u);
+  for (unsigned int k = 0; k < 2; ++k)
+  {
+    double value = 0.;
+    fields[k].evaluate({1, particle.position, particle.data}, &value);
+    EXPECT_EQ(value, field::law_state + k);
+  }
+  EXPECT_EQ(fields[1].name, "strain");
 }
 
 TEST(BodyFields, EveryNameOfTheInputReadsItsMember)

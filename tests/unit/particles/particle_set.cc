@@ -91,6 +91,23 @@ TYPED_TEST(Particles, HaveNumbersOfTheirOwn)
   EXPECT_EQ(std::set<long long>(ids.begin(), ids.end()).size(), ids.size());
 }
 
+TYPED_TEST(Particles, BeginWithTheStateOfTheirLaw)
+{
+  constexpr int dim = TypeParam::value;
+  MaterialPointParameters clay = test::layers_of({test::elastic_layer(0.6), test::elastic_layer(2.15)});
+  clay.layers[1].material.law = law_index<Clay>;
+  clay.layers[1].material.constants.values = {{"undrained strength", 2e3}, {"strength gradient", 1.5e3}};
+  const test::SoilFixture<dim> block(this->layout(), clay);
+  const auto state = on_host(block.particles.arrays().state);
+  const auto layer = on_host(block.particles.arrays().layer);
+  for (std::size_t p = 0; p < block.particles.ids().size(); ++p)
+  {
+    const double depth = this->top - block.particles.positions()[p][dim - 1];
+    ASSERT_NEAR(state(p, 0), layer(p) == 1 ? 2e3 + 1.5e3 * depth : 0., 1e-9);
+    ASSERT_EQ(state(p, 1), 0.);
+  }
+}
+
 TYPED_TEST(Particles, StayWithinTheirLayer)
 {
   constexpr unsigned int vertical = TypeParam::value - 1;
@@ -223,7 +240,7 @@ TYPED_TEST(Particles, KeepTheirDataWhenCellsAreRefinedAndCoarsened)
     {
       const auto& properties = particle.get_properties();
       data[particle.get_id()].assign(properties.begin(), properties.end());
-      data[particle.get_id()].pop_back(); // the gap to bodies is NaN
+      data[particle.get_id()][field::contact_gap] = 0.; // not a number away from bodies
     }
   };
   collect(before);
@@ -291,16 +308,21 @@ TYPED_TEST(Particles, CommitTheTrialState)
   Kokkos::deep_copy(arrays.trial_stress, -7.);
   Kokkos::deep_copy(arrays.trial_strain, 0.);
   Kokkos::deep_copy(arrays.trial_plastic, 0.25);
+  Kokkos::deep_copy(arrays.trial_state, 0.75);
   const auto none = [](long long, unsigned int) { return 0.; };
   this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
   const auto stress = on_host(this->particles.arrays().trial_stress);
+  const auto state = on_host(this->particles.arrays().state);
   const auto b = on_host(this->particles.arrays().elastic_left_cauchy_green);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+  {
+    ASSERT_EQ(state(p, 0), 0.75);
     for (unsigned int i = 0; i < 6; ++i)
     {
       ASSERT_EQ(stress(p, i), -7.);
       ASSERT_NEAR(b(p, i), i < 3 ? 1. : 0., 1e-15);
     }
+  }
   Kokkos::deep_copy(this->particles.arrays().trial_plastic, 0.5);
   this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
   for (const auto& particle : this->particles.handler())

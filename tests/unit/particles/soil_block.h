@@ -73,6 +73,8 @@ template <int dim> struct SoilBlock : SoilFixture<dim>
         data[field::elastic_strain + i] *= 1. + 0.1 * random(30 + i);
       set_stress(data);
       data[field::plastic_strain] = random(40) + 1.;
+      for (unsigned int k = 0; k < Laws::max_state; ++k)
+        data[field::law_state + k] = random(50 + k) + 1.;
     }
   }
 

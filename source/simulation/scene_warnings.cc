@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <kedge/base/world_axes.h>
-#include <kedge/simulation/doubts.h>
 #include <kedge/simulation/layout.h>
+#include <kedge/simulation/scene_warnings.h>
 
 namespace kedge
 {
@@ -53,8 +53,8 @@ template <int dim> std::string text_of(const GridLayout<dim>& grid)
 }
 
 template <int dim>
-void add_doubts_about_surfaces(const Input& input, const RigidSystems& bodies, const GridLayout<dim>& grid,
-                               std::vector<std::string>& doubts)
+void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies, const GridLayout<dim>& grid,
+                                 std::vector<std::string>& warnings)
 {
   const double particle = grid.finest_size / input.material_points.points_per_axis;
   std::size_t number = 0;
@@ -64,42 +64,42 @@ void add_doubts_about_surfaces(const Input& input, const RigidSystems& bodies, c
       const WeldedSurface& welded = bodies.surfaces[number++];
       const double radius =
           dim == 3 ? welded.surface.sharpest_edge_radius() : sharpest_corner_radius(parameters.outline);
-      if (const std::string doubt = find_sharp_edge(number, radius, particle); !doubt.empty())
-        doubts.push_back(doubt);
+      if (const std::string warning = find_sharp_edge(number, radius, particle); !warning.empty())
+        warnings.push_back(warning);
       if (adhesion_is_idle(parameters.interface.or_else(input.contact.interface)))
-        doubts.push_back(
+        warnings.push_back(
             fmt::format("the adhesion of surface {} has no effect: the smaller of it and a friction of zero "
                         "is zero; set \"tangential limit\" to \"sum\"",
                         number));
       const auto box = world_bounds(bodies, welded);
       if (lies_beside<dim>(box[0], box[1], grid, false)) // its height may be found by placing it on the soil
-        doubts.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",
-                                     number, text_of<dim>(grid)));
+        warnings.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",
+                                       number, text_of<dim>(grid)));
     }
 }
 
-template <int dim> std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+template <int dim> std::vector<std::string> find_warnings(const Input& input, const RigidSystems& bodies)
 {
   const GridLayout<dim> grid = make_grid_layout<dim>(input);
-  std::vector<std::string> doubts;
+  std::vector<std::string> warnings;
   if (grid.base_size < much_smaller * input.material_points.element_size)
-    doubts.push_back(
-        fmt::format("cells of {:.4g} m where {:.4g} m was asked for: halved again and again they must meet "
-                    "the smallest size in any stage, {:.4g} m",
-                    grid.base_size, input.material_points.element_size, grid.finest_size));
+    warnings.push_back(fmt::format(
+        "base cells are {:.4g} m instead of the {:.4g} m requested: the base size must be the smallest size of "
+        "any stage, {:.4g} m, times a power of two",
+        grid.base_size, input.material_points.element_size, grid.finest_size));
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
-    add_doubts_about_surfaces<dim>(input, bodies, grid, doubts);
+    add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
       if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))
-        doubts.push_back(fmt::format("a box of fine cells in stage {} lies outside the grid, which reaches {}", i + 1,
-                                     text_of<dim>(grid)));
-  return doubts;
+        warnings.push_back(fmt::format("a box of fine cells in stage {} lies outside the grid, which reaches {}", i + 1,
+                                       text_of<dim>(grid)));
+  return warnings;
 }
 } // namespace
 
-std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies)
+std::vector<std::string> find_warnings(const Input& input, const RigidSystems& bodies)
 {
-  return input.dimension == 2 ? find_doubts<2>(input, bodies) : find_doubts<3>(input, bodies);
+  return input.dimension == 2 ? find_warnings<2>(input, bodies) : find_warnings<3>(input, bodies);
 }
 } // namespace kedge

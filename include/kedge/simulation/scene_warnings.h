@@ -10,5 +10,5 @@ namespace kedge
 {
 /// Warnings for a scene as it begins: edges that soil may slip past, bodies and fine boxes where there is no grid, and
 /// base cells that are smaller than asked for.
-std::vector<std::string> find_doubts(const Input& input, const RigidSystems& bodies);
+std::vector<std::string> find_warnings(const Input& input, const RigidSystems& bodies);
 } // namespace kedge

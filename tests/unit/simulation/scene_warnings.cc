@@ -1,0 +1,75 @@
+// Warnings about what an input hardly means.
+#include "input_files.h"
+#include <gtest/gtest.h>
+#include <kedge/simulation/scene_warnings.h>
+
+using namespace kedge;
+
+namespace
+{
+std::vector<std::string> warnings(const std::string& scene, const std::vector<std::string>& overrides = {})
+{
+  const Input input = read_input((input_files::root() / "prm" / scene).string(), overrides);
+  return find_warnings(input, make_rigid_systems(input.systems, input.dimension));
+}
+
+/// That there is one, and that it says `words`.
+void expect_warning(const std::vector<std::string>& found, const std::string& words)
+{
+  ASSERT_EQ(found.size(), 1u) << testing::PrintToString(found);
+  EXPECT_NE(found[0].find(words), std::string::npos) << found[0];
+}
+} // namespace
+
+TEST(Warnings, NoneAboutScenesThatMeanWhatTheySay)
+{
+  for (const char* scene : {"plate-anchor-ts.json", "strip-footing.json", "cube-octree.json", "column.json"})
+    EXPECT_EQ(warnings(scene), std::vector<std::string>()) << scene;
+}
+
+TEST(Warnings, EdgesSharperThanHalfAMaterialPoint)
+{
+  expect_warning(warnings("plate-anchor-ts.json", {R"(analysis.0.adaptivity={"type": "uniform"})"}),
+                 "surface 1 has convex edges");
+  expect_warning(warnings("strip-footing.json", {R"(analysis.0.adaptivity={"type": "uniform"})"}),
+                 "surface 1 has convex edges");
+}
+
+TEST(Warnings, AdhesionThatIsNeverReached)
+{
+  const std::string adhesive = "contact={\"friction coefficient\": 0, \"adhesion\": 1000";
+  expect_warning(warnings("strip-footing.json", {adhesive + "}"}), "the adhesion of surface 1 has no effect");
+  EXPECT_EQ(warnings("strip-footing.json", {adhesive + ", \"tangential limit\": \"sum\"}"}),
+            std::vector<std::string>());
+  EXPECT_EQ(warnings("strip-footing.json", {adhesive + ", \"bonded\": \"on\"}"}), std::vector<std::string>());
+}
+
+TEST(Warnings, BodiesBesideTheGrid)
+{
+  expect_warning(warnings("plate-anchor-ts.json", {"rigid bodies.0.offset=[5, 0, 0]"}),
+                 "surface 1 begins beside the grid");
+  expect_warning(warnings("strip-footing.json", {"rigid bodies.0.offset=[5, 0]"}), "surface 1 begins beside the grid");
+  EXPECT_EQ(warnings("plate-anchor-ts.json", {"rigid bodies.0.offset=[0, 0, 5]"}), std::vector<std::string>());
+}
+
+TEST(Warnings, FineBoxesOutsideTheGrid)
+{
+  const auto with_box = [](const std::string& box)
+  {
+    return std::vector<std::string>{
+        R"(analysis.0.adaptivity={"type": "rigid body surface", "element size": 0.005, "boxes": [)" + box + "]}"};
+  };
+  expect_warning(
+      warnings("plate-anchor-ts.json", with_box(R"({"min": [0, 0, 2], "max": [1, 0.2, 3], "element size": 0.01})")),
+      "a box of fine cells in stage 1");
+  EXPECT_EQ(
+      warnings("plate-anchor-ts.json", with_box(R"({"min": [-1, 0, 0.1], "max": [1, 0.2, 3], "element size": 0.01})")),
+      std::vector<std::string>());
+}
+
+TEST(Warnings, BaseCellsThatAreSmallerThanAskedFor)
+{
+  expect_warning(warnings("plate-anchor-ts.json",
+                          {R"(analysis.0.adaptivity={"type": "rigid body surface", "element size": 0.006})"}),
+                 "base cells are 0.024 m instead of the 0.04 m requested");
+}
