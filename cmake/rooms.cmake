@@ -31,8 +31,8 @@ if(KEDGE_PRECOMPILED)
     file(CONFIGURE OUTPUT ${file} CONTENT "// Stands for the precompiled headers of ${kind}.\n")
     add_library(precompiled_${kind} OBJECT ${file})
     target_link_libraries(precompiled_${kind} PRIVATE kedge_options ${kind} fmt::fmt Eigen3::Eigen MPI::MPI_CXX)
-    set(headers <algorithm> <array> <cmath> <functional> <limits> <map> <memory> <optional> <string> <vector> <fmt/format.h>
-                <Eigen/Dense> ${PROJECT_SOURCE_DIR}/include/kedge/base/tpetra.h)
+    set(headers <algorithm> <array> <cmath> <functional> <limits> <map> <memory> <optional> <string> <vector>
+                <fmt/format.h> <Eigen/Dense> ${PROJECT_SOURCE_DIR}/include/kedge/base/tpetra.h)
     if(kind STREQUAL deal.II)
       list(APPEND headers <deal.II/distributed/tria.h> <deal.II/dofs/dof_handler.h> <deal.II/fe/mapping_cartesian.h>
                           <deal.II/particles/particle_handler.h>)
