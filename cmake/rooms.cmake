@@ -18,6 +18,7 @@ target_link_libraries(UMFPACK INTERFACE ${UMFPACK_LIBRARY})
 add_library(kedge_options INTERFACE)
 target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
 target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter
+  -Werror=switch # a switch over an enum must name every case
   -Wno-maybe-uninitialized) # false alarms of GCC 12 inside Eigen and std::vector
 if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)

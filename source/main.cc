@@ -1,4 +1,4 @@
-// The command line: reads arguments, calls one function per subcommand, turns errors into exit codes.
+// The command line: reads arguments, calls one function per subcommand and turns errors into exit codes.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fmt/format.h>
@@ -18,7 +18,7 @@ enum ExitCode
   bad_input = 2,
   solver_failure = 3,
   file_failure = 4,
-  told_to_end = 143 // as the shell reports a SIGTERM
+  told_to_end = 143 // the shell's code for SIGTERM
 };
 
 struct Arguments
@@ -74,21 +74,21 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   app.footer(
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
       "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
-      "            143 told to end by SIGTERM, with a restart file written");
+      "            143 ended by SIGTERM, after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
   add_file_arguments(run_command, arguments);
   run_command.add_option("-o,--output", arguments.output, "Folder for all output [<stem of FILE>-output]");
-  run_command.add_flag("--cpu", arguments.cpu, "Run on the CPU whatever \"GPU\" says");
+  run_command.add_flag("--cpu", arguments.cpu, "Run on the CPU, whatever \"GPU\" in the input says");
   run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
   run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");
-  run_command.add_flag("--restart", arguments.restart, "Go on from the restart file in the output folder");
+  run_command.add_flag("--restart", arguments.restart, "Continue from the restart file in the output folder");
   ExitCode code = success;
   run_command.final_callback([&] { code = run(arguments); });
 
-  CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and tell what it costs to run");
+  CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and estimate the cost of its run");
   add_file_arguments(check_command, arguments);
   check_command.final_callback(
       [&]

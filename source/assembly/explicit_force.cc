@@ -28,9 +28,10 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
   Kokkos::parallel_reduce(
       "follow path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
-        const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
+        const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
         const Eigen::Matrix3d to_start = inverse(dF);
+        // The law sees the increment since the last point of the path.
         Eigen::Matrix3d before;
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
@@ -45,14 +46,13 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
           ++inverted;
           return;
         }
+        // The path moves on only with an admissible increment.
         const double shrink = factor.extent(0) > 0 ? 1. / factor(p) : 1.; // the inverse of stretch()
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c)
             path.inverse_deformation(p, 3 * r + c) = (r < dim && c < dim ? shrink : 1.) * to_start(r, c);
         set_row(path.left_cauchy_green, p, b);
-        set_row(particles.trial_stress, p, update.stress);
-        set_row(particles.trial_strain, p, update.elastic_strain);
-        particles.trial_plastic(p) += update.plastic_increment;
+        set_trial(particles, p, update, particles.trial_plastic(p) + update.plastic_increment);
         add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },
       n_inverted);
@@ -88,7 +88,7 @@ double largest_squared_frequency(const ParticleArrays& particles, const StencilS
             for (unsigned int i = 0; i < dim; ++i)
               for (unsigned int j = 0; j < dim; ++j)
                 G[i][j] += gradient[dim * v + i] * gradient[dim * v + j] / std::fmax(at.value[v], least_share);
-        double row_sum = 0.; // at least the largest eigenvalue
+        double row_sum = 0.; // bounds the largest eigenvalue from above
         for (unsigned int i = 0; i < dim; ++i)
           row_sum = std::fmax(row_sum, std::fabs(G[i][0]) + std::fabs(G[i][1]) + std::fabs(G[i][2]));
         const double stiffness = std::fmax(3. * elasticity.bulk(), 2. * elasticity.shear);

@@ -3,21 +3,37 @@
 
 namespace kedge
 {
+namespace
+{
+/// The nodes of a face and its matrix J: entry (a, b) is J[a n + b].
+struct FaceMatrix
+{
+  unsigned int n;
+  const unsigned int* node;
+  const double* J;
+};
+
+KEDGE_FUNCTION FaceMatrix matrix_of(const GhostFaces& faces, const std::size_t f)
+{
+  const unsigned int first = faces.node_begin(f);
+  return {faces.node_begin(f + 1) - first, &faces.nodes(first), &faces.value(faces.value_begin(f))};
+}
+} // namespace
+
 template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
                      const View<double*>& force)
 {
   Kokkos::parallel_for(
       "ghost force", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
-        const double* J = &faces.value(faces.value_begin(f));
+        const auto [n, node, J] = matrix_of(faces, f);
         for (unsigned int a = 0; a < n; ++a)
           for (int c = 0; c < dim; ++c)
           {
             double sum = 0.;
             for (unsigned int b = 0; b < n; ++b)
-              sum += J[a * n + b] * nodal(static_cast<std::size_t>(dim) * faces.nodes(first + b) + c);
-            add_to(force(static_cast<std::size_t>(dim) * faces.nodes(first + a) + c), weight(f) * sum);
+              sum += J[a * n + b] * nodal(static_cast<std::size_t>(dim) * node[b] + c);
+            add_to(force(static_cast<std::size_t>(dim) * node[a] + c), weight(f) * sum);
           }
       });
 }
@@ -30,21 +46,32 @@ void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, cons
   const auto column = graph.column;
   Kokkos::parallel_for(
       "ghost matrix", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
-        const double* J = &faces.value(faces.value_begin(f));
+        const auto [n, node, J] = matrix_of(faces, f);
         for (unsigned int a = 0; a < n; ++a)
         {
-          const unsigned int node = faces.nodes(first + a);
-          const std::size_t begin = row_begin(node);
-          const unsigned int length = row_begin(node + 1) - begin;
+          const std::size_t begin = row_begin(node[a]);
+          const unsigned int length = row_begin(node[a] + 1) - begin;
           double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
           for (unsigned int b = 0; b < n; ++b)
           {
-            const std::size_t position = find_entry(row_begin, column, node, faces.nodes(first + b)) - begin;
+            const std::size_t position = find_entry(row_begin, column, node[a], node[b]) - begin;
             for (int c = 0; c < dim; ++c)
               add_to(row[dim * (c * length + position) + c], weight(f) * J[a * n + b]);
           }
         }
+      });
+}
+
+void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass)
+{
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  Kokkos::parallel_for(
+      "ghost mass", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        const auto [n, node, J] = matrix_of(faces, f);
+        for (unsigned int a = 0; a < n; ++a)
+          for (unsigned int b = 0; b < n; ++b)
+            add_to(mass(find_entry(row_begin, column, node[a], node[b])), faces.mass(f) * J[a * n + b]);
       });
 }
 

@@ -1,3 +1,4 @@
+#include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/assembly/kernels.h>
 #include <kedge/base/exceptions.h>
@@ -7,7 +8,7 @@ namespace kedge
 {
 namespace
 {
-/// The projection is as exact as the increments that follow from it ask for.
+/// Relative residual of the projection. The increments that follow from it need this accuracy.
 constexpr double projection_tolerance = 1e-12;
 } // namespace
 
@@ -38,21 +39,6 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
             add_to(mass(find_entry(row_begin, column, row, stencils.pattern_nodes(first + b))), sum);
           }
         }
-      });
-}
-
-void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass)
-{
-  const auto row_begin = graph.row_begin;
-  const auto column = graph.column;
-  Kokkos::parallel_for(
-      "ghost mass", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
-        const double* J = &faces.value(faces.value_begin(f));
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int b = 0; b < n; ++b)
-            add_to(mass(find_entry(row_begin, column, faces.nodes(first + a), faces.nodes(first + b))),
-                   faces.mass(f) * J[a * n + b]);
       });
 }
 
@@ -94,11 +80,8 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
   const unsigned int dim = stencils.dim;
   Kokkos::parallel_for(
       "particle momentum", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
-        const ParticleNodes at = nodes_of(stencils, p);
-        for (unsigned int v = 0; v < at.n; ++v)
-          for (unsigned int c = 0; c < dim; ++c)
-            add_to(result(static_cast<std::size_t>(dim) * at.node[v] + c),
-                   particles.mass(p) * at.value[v] * quantity(p, c));
+        const double q[3] = {quantity(p, 0), quantity(p, 1), quantity(p, 2)};
+        add_weighted_by_mass(particles, stencils, dim, p, q, result);
       });
 }
 
@@ -115,7 +98,7 @@ NodalVector divide_by_mass(TpetraVector& right_side, const System& system)
   TpetraVector solution(system.graph().row_map);
   if (!solve_positive_definite(system.matrix(), right_side, solution, projection_tolerance))
     throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
-                      "conditioned; a larger \"ghost factor mass\" or \"mass\": \"lumped\" helps",
+                      "conditioned; increase \"ghost factor mass\" or set \"mass\": \"lumped\"",
                       {});
   return system.spread(solution);
 }

@@ -14,7 +14,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
   Kokkos::parallel_reduce(
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
-        const unsigned int p = stencils.pattern_particles(i); // neighbours in memory of the nodes
+        const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
         const StressUpdate update =
             update_stress(stretch<dim>(dF, factor, p), row_of(particles.elastic_left_cauchy_green, p),
@@ -25,9 +25,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
           ++inverted;
           return;
         }
-        set_row(particles.trial_stress, p, update.stress);
-        set_row(particles.trial_strain, p, update.elastic_strain);
-        particles.trial_plastic(p) = update.plastic_increment;
+        set_trial(particles, p, update, update.plastic_increment);
         add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
       },
       n_inverted);
@@ -45,11 +43,7 @@ void add_weight(const ParticleArrays& particles, const StencilSet& stencils, con
   const Eigen::Matrix<double, dim, 1> acceleration = map;
   Kokkos::parallel_for(
       "weight", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
-        const ParticleNodes at = nodes_of(stencils, p);
-        for (unsigned int v = 0; v < at.n; ++v)
-          for (int c = 0; c < dim; ++c)
-            add_to(force(static_cast<std::size_t>(dim) * at.node[v] + c),
-                   particles.mass(p) * at.value[v] * acceleration[c]);
+        add_weighted_by_mass(particles, stencils, dim, p, acceleration.data(), force);
       });
 }
 

@@ -9,10 +9,10 @@ namespace
 {
 using Rows = std::vector<std::vector<unsigned int>>;
 
-/// Columns of every local row from the lists of this rank, ascending.
+/// Columns of every local row that follow from the lists of this rank, ascending.
 Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>& couplings)
 {
-  // lists by node, then the union of a node's lists through a marker
+  // Invert the lists first, to know the lists of each node.
   struct HostLists
   {
     HostView<unsigned int*> begin, nodes;
@@ -37,6 +37,7 @@ Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>
     groups.push_back(std::move(group));
   }
 
+  // A row is the union of its node's lists; last_seen marks the columns that it holds already.
   Rows rows(n_nodes);
   std::vector<unsigned int> last_seen(n_nodes, ~0u), row;
   for (unsigned int v = 0; v < n_nodes; ++v)
@@ -60,7 +61,7 @@ Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>
   return rows;
 }
 
-/// A ghost row as its owner receives it.
+/// A ghost row, after its owner has received it.
 struct ReceivedRow
 {
   unsigned int row;                  ///< owned node
@@ -68,10 +69,11 @@ struct ReceivedRow
   std::vector<unsigned int> columns; ///< local numbers here
 };
 
-/// Sends the ghost rows' columns to their owners, which add them to their rows and number columns new to them.
+/// Sends the columns of ghost rows to their owners. These add them to their own rows and number the new columns.
 std::vector<std::vector<ReceivedRow>> exchange_ghost_rows(const NodeNumbering& numbering, Rows& rows,
                                                           std::vector<long long>& column_global)
 {
+  // A message holds, for each row, its global number, its length and its columns.
   const int n_ranks = size_of(numbering.communicator);
   std::vector<std::vector<long long>> message(n_ranks);
   for (int r = 0; r < n_ranks; ++r)
@@ -84,6 +86,7 @@ std::vector<std::vector<ReceivedRow>> exchange_ghost_rows(const NodeNumbering& n
     }
   const auto received = exchange_between_ranks(message, numbering.communicator);
 
+  // Columns that this rank does not know yet get the next local numbers.
   std::unordered_map<long long, unsigned int> local;
   for (unsigned int v = 0; v < column_global.size(); ++v)
     local.emplace(column_global[v], v);
@@ -109,6 +112,7 @@ std::vector<std::vector<ReceivedRow>> exchange_ghost_rows(const NodeNumbering& n
       result[r].push_back(std::move(row));
     }
   }
+  // A column may have come from several ranks.
   for (unsigned int v = 0; v < numbering.n_owned; ++v)
   {
     std::sort(rows[v].begin(), rows[v].end());
@@ -141,6 +145,7 @@ void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::siz
 
 Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const Rows& rows)
 {
+  // Every node row stands for dim rows, every node column for dim columns.
   const unsigned int dim = graph.dim;
   using LocalGraph = TpetraGraph::local_graph_device_type;
   typename LocalGraph::row_map_type::non_const_type begin("row begin", dim * graph.n_owned + 1);
@@ -191,6 +196,7 @@ NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numberin
   const auto received = exchange_ghost_rows(numbering, rows, column_global);
   graph.n_columns = column_global.size();
 
+  // Rows of ghosts lie behind the owned ones, grouped by owner, so each rank's message is one range.
   std::vector<std::size_t> begin(graph.n_rows + 1, 0);
   for (unsigned int v = 0; v < graph.n_rows; ++v)
     begin[v + 1] = begin[v] + rows[v].size();
@@ -235,6 +241,7 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
   MPI_Alltoallv(host.data() + block * graph.send_begin[0], send_count.data(), send_begin.data(), MPI_DOUBLE,
                 received.data(), receive_count.data(), receive_begin.data(), MPI_DOUBLE, graph.communicator);
 
+  // The same block lies elsewhere in the sender's row and in this rank's, which may have more columns.
   std::size_t t = 0;
   for (int r = 0; r < n_ranks; ++r)
     for (std::size_t k = 0; k < graph.receive_count[r]; ++k, ++t)

@@ -21,7 +21,7 @@ System::System(const unsigned int dim_, const NodeNumbering& numbering, const st
   owned_matrix = Teuchos::rcp(new TpetraMatrix(node_graph.matrix_graph, owned_values));
   owned_matrix->fillComplete(node_graph.row_map, node_graph.row_map);
 
-  // ghosts that only other ranks' particles see ask their owners
+  // Columns may be ghosts that this rank's particles do not see: only their owners know whether they are constrained.
   TpetraVector owned_mark(node_graph.row_map);
   {
     auto view = owned_mark.getLocalViewHost(Tpetra::Access::OverwriteAll);
@@ -56,7 +56,7 @@ void System::finish_matrix()
   const auto column = constrained_column;
   const std::size_t n_rows = local.numRows();
 
-  // scale of the identity rows: the mean diagonal of the free dofs
+  // The identity rows get the mean diagonal of the free dofs, so that they do not spoil the conditioning.
   double sums[2] = {0., 0.};
   Kokkos::parallel_reduce(
       "diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, n_rows),
@@ -90,7 +90,7 @@ void add_point_forces(const unsigned int dim, const PointForces& points, const d
   for (std::size_t i = 0; i < points.n_points(); ++i)
   {
     const double* f = &points.force[3 * i];
-    if (f[0] == 0. && f[1] == 0. && f[2] == 0.) // most of them touch nothing
+    if (f[0] == 0. && f[1] == 0. && f[2] == 0.) // most points touch nothing
       continue;
     for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
       for (unsigned int d = 0; d < dim; ++d)
@@ -109,7 +109,7 @@ void add_point_tangents(const PointForces& points, const double sign, const Node
   for (std::size_t i = 0; i < points.n_points(); ++i)
   {
     const double* tangent = &points.tangent[9 * i];
-    if (std::all_of(tangent, tangent + 9, [](const double entry) { return entry == 0.; })) // most of them touch nothing
+    if (std::all_of(tangent, tangent + 9, [](const double entry) { return entry == 0.; })) // most points touch nothing
       continue;
     for (unsigned int a = points.begin[i]; a < points.begin[i + 1]; ++a)
     {

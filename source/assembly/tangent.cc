@@ -11,10 +11,10 @@ using Policy = Kokkos::TeamPolicy<ExecutionSpace>;
 using Member = Policy::member_type;
 using Scratch = Kokkos::View<double*, ExecutionSpace::scratch_memory_space, Kokkos::MemoryUnmanaged>;
 
-/// Particles whose contracted moduli are held at once: as many as stay in the nearer caches.
+/// Size of the contracted moduli that are held at once, so that they stay in the nearer caches.
 constexpr std::size_t cache_bytes = 131072;
 
-/// Nodes and columns whose sums are kept in registers: 4 x 8 numbers are half of those that AVX2 has.
+/// Nodes and columns whose sums stay in registers: 4 x 8 numbers fill half of the registers of AVX2.
 constexpr unsigned int node_block = 4, column_block = 8;
 
 KEDGE_FUNCTION constexpr unsigned int round_up(const unsigned int n, const unsigned int block)
@@ -22,7 +22,8 @@ KEDGE_FUNCTION constexpr unsigned int round_up(const unsigned int n, const unsig
   return (n + block - 1) / block * block;
 }
 
-/// Adds the blocks of one pattern: all its particles first sum into rows of blocks, which then go to the matrix once.
+/// Adds the blocks of one pattern. All its particles are first summed in rows of blocks; each sum goes to the matrix
+/// once.
 template <int dim> struct TangentKernel
 {
   ParticleArrays particles;
@@ -34,7 +35,7 @@ template <int dim> struct TangentKernel
   View<double*> values;
   unsigned int chunk;
   View<double*> volume_factor;
-  View<double* [9]> moduli; ///< of the cell's dilation; empty, as the factors are, without F-bar
+  View<double* [9]> moduli; ///< for the dilation of the cell; empty without F-bar, like the factors
   double elastic_share;
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
@@ -49,7 +50,7 @@ template <int dim> struct TangentKernel
     for (int i = 0; i < 6; ++i)
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
-    double next_state[Laws::max_state]; // of no interest here
+    double next_state[Laws::max_state]; // not needed here
     const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b,
                                               {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
                                               materials(particles.layer(p)), next_state, tangent, elastic_share);
@@ -83,8 +84,8 @@ template <int dim> struct TangentKernel
     }
   }
 
-  /// The stress follows the dilation of the cell instead of the particle's own. q_ij = (sum_m c_ijmm) / dim, where c
-  /// are the moduli of the stress alone: a_ijkl + tau_il delta_jk.
+  /// With F-bar the stress follows the dilation of the cell instead of the particle's own, whose part is subtracted:
+  /// q_ij = (sum_m c_ijmm) / dim. Here c are the moduli of the stress alone, a_ijkl + tau_il delta_jk.
   KEDGE_FUNCTION void take_out_dilation(const unsigned int p, const SymmetricTensor& stress,
                                         SpatialTangent& tangent) const
   {
@@ -159,7 +160,7 @@ template <int dim> struct TangentKernel
       Eigen::Map<Columns>(sums + m * dim * width) = block[m];
   }
 
-  /// Nodes and columns both ascend, so one walk along the row finds all positions.
+  /// Nodes and columns both ascend, so one pass along the row finds all positions.
   KEDGE_FUNCTION void scatter(const unsigned int row, const unsigned int* nodes, const unsigned int n,
                               const unsigned int width, const double* sums) const
   {

@@ -19,8 +19,8 @@ template <int dim> struct MeanDilationKernel
   View<std::size_t*> row_begin;
   View<unsigned int*> column;
   View<double*> values;
-  View<double*> force,
-      volume; ///< changes with a common dilation, and of the volume with a node; laid out as cells.nodes
+  View<double*> force;  ///< change of the nodal force with the dilation of the cell; laid out as cells.nodes
+  View<double*> volume; ///< change of the cell's volume with the node; laid out as cells.nodes
 
   KEDGE_FUNCTION void operator()(const Member& team) const
   {
@@ -45,7 +45,7 @@ template <int dim> struct MeanDilationKernel
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
     for (unsigned int v = 0, at = first; v < nodes.n; ++v, ++at)
     {
-      while (cells.nodes(at) != nodes.node[v]) // both ascend
+      while (cells.nodes(at) != nodes.node[v]) // both lists ascend
         ++at;
       double h[dim] = {};
       for (int j = 0; j < dim; ++j)
@@ -93,6 +93,7 @@ View<double*> find_volume_factors(const ParticleArrays& particles, const Stencil
   const View<double*> factor("volume factors", cells.empty() ? 0 : stencils.n_particles);
   Kokkos::parallel_for(
       "volume factors", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
+        // First pass: J of every particle, and the volumes of the cell before and after. Second pass: the factors.
         const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
         double before = 0., after = 0.;
         for (unsigned int p = begin; p < end; ++p)

@@ -9,14 +9,14 @@ namespace kedge
 {
 namespace
 {
-// deal.II reaches into p4est, which wants MPI only; MPI must outlive Tpetra, hence a scope of its own.
+/// MPI must be finalised after Tpetra, hence a scope of its own.
 struct MpiScope
 {
   MpiScope(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
   ~MpiScope() { MPI_Finalize(); }
 };
 
-/// Kokkos claims every option, --help included, so it sees only those that are meant for it.
+/// The options --kokkos... alone: Kokkos would also take others, such as --help.
 struct KokkosArguments
 {
   KokkosArguments(int argc, char** argv) : values{argv[0]}

@@ -21,20 +21,20 @@ std::string format_duration(const double seconds)
 }
 } // namespace
 
-std::string format_progress(const Progress& state)
+std::string format_progress(const ProgressLine& shown)
 {
-  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
+  const double fraction = shown.end > 0. ? std::min(1., shown.time / shown.end) : 1.;
   const int filled = static_cast<int>(fraction * bar_width);
   std::string bar;
   for (int i = 0; i < bar_width; ++i)
     bar += i < filled ? "█" : "░";
   const std::string start =
-      fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g}", state.stage, state.n_stages, bar,
-                  100. * fraction, state.time, state.end, state.step, state.increment);
-  const std::string end = fmt::format("cuts {} del {} N {}", state.cuts, state.deleted, state.particles);
-  return state.is_explicit
-             ? fmt::format("{} time steps {} {}", start, state.iterations, end)
-             : fmt::format("{} NR {} {} Krylov {}", start, state.iterations, end, state.krylov_iterations);
+      fmt::format("stage {}/{} {} {:5.1f}% t {:.4g}/{:.4g} step {} Δt {:.3g}", shown.stage, shown.n_stages, bar,
+                  100. * fraction, shown.time, shown.end, shown.step, shown.increment);
+  const std::string end = fmt::format("cuts {} del {} N {}", shown.cuts, shown.deleted, shown.particles);
+  return shown.is_explicit
+             ? fmt::format("{} time steps {} {}", start, shown.iterations, end)
+             : fmt::format("{} NR {} {} Krylov {}", start, shown.iterations, end, shown.krylov_iterations);
 }
 
 Report::Report(const bool speak_, const bool quiet_) : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO))
@@ -59,12 +59,12 @@ void Report::warn(const std::string& text)
     fmt::print(stderr, "warning: {}\n", text);
 }
 
-void Report::progress(const Progress& state)
+void Report::progress(const ProgressLine& shown)
 {
-  const double fraction = state.end > 0. ? std::min(1., state.time / state.end) : 1.;
-  if (state.stage != last_stage) // after its first step, or the first one after a restart
+  const double fraction = shown.end > 0. ? std::min(1., shown.time / shown.end) : 1.;
+  if (shown.stage != last_stage) // in its first step, or in the first one after a restart
   {
-    last_stage = state.stage;
+    last_stage = shown.stage;
     last_percent = -1;
     first_seen = std::chrono::steady_clock::now();
     first_fraction = fraction;
@@ -76,7 +76,7 @@ void Report::progress(const Progress& state)
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - first_seen).count();
   const double since = fraction - first_fraction;
   const std::string left = since > 0. ? " left " + format_duration(elapsed * (1. - fraction) / since) : "";
-  fmt::print("{}{}{}{}", on_terminal ? "\r" : "", format_progress(state), left, on_terminal ? "\x1b[K" : "\n");
+  fmt::print("{}{}{}{}", on_terminal ? "\r" : "", format_progress(shown), left, on_terminal ? "\x1b[K" : "\n");
   std::fflush(stdout);
   line_open = on_terminal;
 }

@@ -26,7 +26,7 @@ ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<u
   const std::vector<long long> range = find_owned_ranges(n_owned_nodes, communicator);
   const long long first_owned = range[rank_of(communicator)];
 
-  // tell the owners which of their nodes are used here
+  // Tell the owners which of their nodes are used here.
   std::vector<std::vector<long long>> wanted(n_ranks);
   std::vector<std::vector<unsigned int>> wanted_nodes(n_ranks);
   std::vector<unsigned int> owned_node(n_owned_nodes, ActiveNodes::inactive);
@@ -48,6 +48,7 @@ ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<u
     for (const long long id : ids)
       active[id - first_owned] = 1;
 
+  // Number the owned nodes that some rank uses.
   ActiveNodes nodes;
   nodes.communicator = communicator;
   nodes.number.assign(n_nodes, ActiveNodes::inactive);
@@ -63,7 +64,7 @@ ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<u
   for (unsigned int i = 0; i < nodes.n_owned; ++i)
     nodes.global.push_back(first + i);
 
-  // answer with the new numbers
+  // Answer with the new numbers.
   for (auto& ids : asked)
     for (long long& id : ids)
       id = first + nodes.number[owned_node[id - first_owned]];

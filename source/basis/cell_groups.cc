@@ -13,7 +13,7 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
   const std::size_t n = leaf_of_particle.size();
   for (std::size_t begin = 0, end = 0; begin < n; begin = end)
   {
-    unsigned int last = pattern[begin]; // the patterns of a cell follow each other, beginning with that of its first
+    unsigned int last = pattern[begin]; // the patterns of a cell are consecutive; its first particle has the first
     const unsigned int leaf = leaf_of_particle[begin];
     const std::size_t most = is_full[leaf] ? n : begin + 1;
     for (end = begin; end < most && leaf_of_particle[end] == leaf; ++end)

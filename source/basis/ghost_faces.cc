@@ -9,9 +9,9 @@ namespace kedge
 {
 namespace
 {
-constexpr double across = 1e-3; // of a leaf's size: where its neighbour is looked for
+constexpr double across = 1e-3; // distance from a leaf, as a share of its size, at which to look for its neighbour
 
-/// The same on every rank: the lower corner in units of 1/1024 base cell.
+/// Name of a leaf that is the same on every rank: its lower corner in units of 1/1024 base cell.
 template <int dim> long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
 {
   long long key = 0;
@@ -26,7 +26,7 @@ struct Parcel
   LeafContent content;
 };
 
-/// Ghost leaves by owner, and owned leaves by key: who asks whom for what.
+/// Sends contents between the owners of leaves and the ranks that have them as ghosts.
 template <int dim> class LeafExchange
 {
 public:
@@ -59,7 +59,7 @@ public:
       }
   }
 
-  /// Overwrites the contents of ghost leaves by their owners'.
+  /// Replaces the contents of ghost leaves by those that their owners have.
   void update_ghosts(std::vector<LeafContent>& contents) const
   {
     std::vector<std::vector<long long>> keys(ghosts.size());
@@ -123,13 +123,14 @@ bool is_boundary(const LeafTable<dim>& table, const std::vector<LeafContent>& co
   return false;
 }
 
-/// Adds J of the face between leaf and neighbour; the face is the leaf's, which is not larger than its neighbour.
+/// Adds J of the face between a leaf and its neighbour. The face is that of the leaf, which must not be the larger one.
 template <int dim>
 void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int neighbour,
               const unsigned int axis, const bool upper, HostGhostFaces& faces)
 {
   const auto& cell = table.leaves[leaf];
   const double h = cell.size, area = std::pow(h, dim - 1);
+  // Jump of the normal derivative at the Gauss points of the face, for every node of both leaves.
   const unsigned int n_points = 1u << (dim - 1);
   std::vector<unsigned int> nodes;
   std::vector<std::vector<double>> jumps(n_points); // by quadrature point and node
@@ -146,7 +147,7 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
     if (q == 0)
       for (const NodeShare<dim>& share : shares)
         nodes.push_back(share.node);
-    for (const NodeShare<dim>& share : shares) // the order is that of the leaves' nodes, at every point the same
+    for (const NodeShare<dim>& share : shares) // the leaves' nodes have the same order at every point
       jumps[q].push_back(share.gradient[axis]);
   }
   for (unsigned int a = 0; a < nodes.size(); ++a)
@@ -183,6 +184,7 @@ std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const S
       content.mass += overlap.fraction * soil.mass[p];
     }
   }
+  // Boundaries depend on the neighbours, so ghosts must be complete first; then they need the result.
   const LeafExchange<dim> exchange(table, communicator);
   exchange.add_to_owners(contents);
   exchange.update_ghosts(contents);
@@ -206,8 +208,9 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
       for (const bool upper : {false, true})
       {
         const std::vector<unsigned int> neighbours = find_neighbours(table, leaf, axis, upper);
-        if (neighbours.size() != 1) // none, or finer ones, whose turn it is
+        if (neighbours.size() != 1) // none, or finer ones, which own their faces
           continue;
+        // The smaller leaf owns the face; of equal leaves it is the lower one.
         const unsigned int other = neighbours[0];
         const double size = table.leaves[leaf].size, other_size = table.leaves[other].size;
         const bool mine = other_size > 1.5 * size || (other_size > 0.75 * size && upper);

@@ -8,10 +8,11 @@ namespace kedge
 {
 namespace
 {
-// Round-off makes boxes that end on a face reach across it by a hair; such a sliver would activate nodes without
-// stiffness.
+// Because of round-off, a box that ends on a face may reach slightly across it. Such a sliver would activate nodes
+// without stiffness.
 constexpr double smallest_overlap = 1e-11;
-// The standard MPM needs a volume to average over: a box this small relative to the particle's is its centre.
+// Averaging needs a volume, also in the standard MPM: a box this small, relative to the particle's, stands for its
+// centre.
 constexpr double point_box = 1e-6;
 } // namespace
 
@@ -19,6 +20,7 @@ template <int dim>
 void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number, const std::array<double, dim>& x,
                     const double weight, std::vector<NodeShare<dim>>& shares)
 {
+  // Linear functions along each axis, then their products at the vertices.
   constexpr unsigned int n_vertices = LeafTable<dim>::n_vertices;
   const auto& leaf = table.leaves[leaf_number];
   const double inverse_size = 1. / leaf.size;
@@ -45,6 +47,7 @@ void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number,
     }
   }
 
+  // Hand the vertices' shares to the true nodes; a node may have a share from another leaf already.
   const auto add = [&shares](const unsigned int node, const double factor, const double value, const double* gradient)
   {
     auto share = std::find_if(shares.begin(), shares.end(), [node](const auto& s) { return s.node == node; });
@@ -80,6 +83,7 @@ const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<doub
   candidates.clear();
   overlaps.clear();
   table.find_leaves(lower, upper, candidates);
+  // Volume shared with each leaf, without slivers.
   double box = 1., total = 0.;
   for (unsigned int d = 0; d < dim; ++d)
     box *= upper[d] - lower[d];
@@ -130,20 +134,24 @@ HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::
   std::size_t first_pattern = 0;                         // of the current leaf
   for (std::size_t p = 0; p < n; ++p)
   {
+    // Only particles of one leaf share patterns, so each leaf starts a new list.
     if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
     {
       first_pattern = stencils.pattern_node_begin.size() - 1;
       pattern_leaves.clear();
     }
+    // The leaves that the box overlaps, and the shares of their nodes.
     std::array<double, dim> size = half_width[p];
     if (point_basis)
       for (double& width : size)
         width *= point_box;
     const std::vector<Overlap>& overlaps = box.find_overlaps(centre[p], size);
     if (overlaps.empty())
-      throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]));
+      throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]) +
+                        " m; a larger domain or smaller steps help");
     const std::vector<NodeShare<dim>>& shares = box.average();
 
+    // Boxes that overlap the same leaves have the same nodes: find their pattern, or add it.
     std::size_t k = 0;
     for (; k < pattern_leaves.size(); ++k)
       if (std::equal(pattern_leaves[k].begin(), pattern_leaves[k].end(), overlaps.begin(), overlaps.end(),
@@ -167,7 +175,7 @@ HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::
     stencils.value_begin[p + 1] = stencils.value.size();
   }
 
-  // particles by pattern, counting sort
+  // List the particles of each pattern by a counting sort.
   const std::size_t n_patterns = stencils.pattern_node_begin.size() - 1;
   stencils.pattern_particle_begin.assign(n_patterns + 1, 0);
   for (const unsigned int k : stencils.pattern_of_particle)
@@ -190,6 +198,7 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   for (unsigned int& node : host.pattern_nodes)
     node = number[node];
 
+  // Kernels expect ascending nodes: sort those of each pattern, and the values of its particles in the same order.
   std::vector<unsigned int> order, sorted_nodes;
   std::vector<double> old_value, old_gradient;
   for (std::size_t k = 0; k < set.n_patterns; ++k)

@@ -31,7 +31,7 @@ std::string ExplicitMotion::drift(const double fraction, const double time)
   RigidStep step;
   step.fraction = fraction;
   step.dt = time;
-  if (!knows_accelerations) // as RigidStep advises
+  if (!knows_accelerations) // RigidStep explains this pair
   {
     step.beta = 0.5;
     step.gamma = 1.;

@@ -7,7 +7,7 @@ namespace kedge
 {
 namespace
 {
-/// Energy of a distance vector that depends on its length l alone.
+/// Energy that depends on the length l of a vector alone.
 struct CentralEnergy
 {
   double energy;    ///< J
@@ -15,8 +15,8 @@ struct CentralEnergy
   double curvature; ///< energy'', N/m
 };
 
-/// k/2 <x>^2 with the jump of its second derivative spread over the width w about x = 0: the force rises from
-/// x = -w/2 as k (x + w/2)^2 / (2 w) and is k x from x = w/2 on.
+/// k/2 <x>^2, whose second derivative jumps at x = 0; here the jump is spread over the width w. The force is zero up to
+/// x = -w/2, then k (x + w/2)^2 / (2 w), and k x from x = w/2 on.
 CentralEnergy one_sided(const double x, const double length, const double stiffness, const double width)
 {
   const double in = x + width / 2.;
@@ -33,21 +33,23 @@ CentralEnergy central_energy(const Joint& joint, const double length)
   const double k = joint.stiffness, stretch = length - joint.distance;
   switch (joint.type)
   {
-    case ConstraintType::distance_lock:
+    case JointType::rod:
       // A rod of no length has no direction. The bound only keeps the numbers finite.
       return {k / 2. * stretch * stretch, k * stretch / std::max(length, 1e-6 * joint.distance), k};
-    case ConstraintType::distance_stop:
+    case JointType::stop:
       return one_sided(stretch, length, k, 1e-3 * joint.distance);
-    default:
-      return {k / 2. * length * length, k, k};
+    case JointType::ball:
+    case JointType::hinge:
+      break;
   }
+  return {k / 2. * length * length, k, k};
 }
 
-/// A point or direction carried by a body, seen from the step's end.
+/// A point or direction that a body carries, at the end of the step.
 struct Carried
 {
   Eigen::Vector3d place;                   ///< world axes
-  Eigen::Vector3d arm;                     ///< its part that turns with the body
+  Eigen::Vector3d arm;                     ///< the part of `place` that turns with the body
   Eigen::Matrix<double, 3, 6> by_movement; ///< d place / d increment
 };
 
@@ -65,8 +67,8 @@ Carried carried_direction(const Pose& start, const Vector6& increment, const Eig
   return direction;
 }
 
-/// Second derivative of f . place with respect to the increment: moment and arm turn together, and the rotation vector
-/// is not the spin.
+/// Second derivative of f . place with respect to the increment. The first term stands for the turning arm, the second
+/// one for the change of T: the rate of the rotation vector is not the spin.
 Eigen::Matrix3d turning_stiffness(const Carried& carried, const Vector6& increment, const Eigen::Vector3d& f)
 {
   const Eigen::Vector3d theta = increment.tail<3>();
@@ -96,7 +98,8 @@ void add_spring(const CentralEnergy& central, const std::array<Carried, 2>& ends
                        (ends[0].place.norm() + ends[1].place.norm());
   for (unsigned int i = 0; i < 2; ++i)
   {
-    const double arm = ends[i].arm.norm(), moves = ends[i].by_movement(0, 0); // 0 for directions: no force on the point
+    const double arm = ends[i].arm.norm(),
+                 moves = ends[i].by_movement(0, 0); // 0 for a direction: no force on the point
     response.magnitude[i][0] += moves * force.norm();
     response.magnitude[i][1] += arm * force.norm();
     response.round_off[i][0] += moves * noise;
@@ -105,7 +108,7 @@ void add_spring(const CentralEnergy& central, const std::array<Carried, 2>& ends
 }
 } // namespace
 
-Joint make_joint(const ConstraintParameters& parameters, const std::vector<PointParameters>& points,
+Joint make_joint(const JointParameters& parameters, const std::vector<PointParameters>& points,
                  const unsigned int first_point, const unsigned int dim)
 {
   Joint joint;
@@ -113,13 +116,13 @@ Joint make_joint(const ConstraintParameters& parameters, const std::vector<Point
   joint.distance = parameters.distance;
   joint.stiffness = parameters.stiffness;
   joint.rotational_stiffness = parameters.rotational_stiffness;
-  const bool hinge = parameters.type == ConstraintType::rotation_lock;
+  const bool hinge = parameters.type == JointType::hinge;
   const Eigen::Vector3d centre = to_world_axes(parameters.rotation_centre, dim);
   const std::array<Eigen::Vector3d, 2> places = {
       hinge ? centre : to_world_axes(parameters.position_1, dim),
       hinge ? centre : to_world_axes(parameters.position_2, dim),
   };
-  // drawn in global coordinates before the offset, like the points, which are not turned at the start
+  // Anchors are given in global coordinates before the offset, like the points, which start unrotated.
   for (unsigned int i = 0; i < 2; ++i)
   {
     joint.points[i] = first_point + parameters.points[i] - 1;
@@ -132,7 +135,7 @@ Joint make_joint(const ConstraintParameters& parameters, const std::vector<Point
     if (joint.axes[0].dot(joint.axes[1]) < 0.)
       joint.axes[1] *= -1.;
   }
-  if (parameters.type == ConstraintType::distance_stop)
+  if (parameters.type == JointType::stop)
   {
     const double a = (places[0] - centre).norm(), b = (places[1] - centre).norm();
     const double cosine = std::cos(parameters.angle_limit * M_PI / 180.);
@@ -152,7 +155,7 @@ JointResponse evaluate_joint(const Joint& joint, const std::array<Pose, 2>& star
   };
   const std::array<Carried, 2> anchors = ends(carried_point, joint.anchors);
   add_spring(central_energy(joint, (anchors[0].place - anchors[1].place).norm()), anchors, increments, response);
-  if (joint.type == ConstraintType::rotation_lock)
+  if (joint.type == JointType::hinge)
   {
     const std::array<Carried, 2> axes = ends(carried_direction, joint.axes);
     const double k = joint.rotational_stiffness;

@@ -47,7 +47,7 @@ Section<PointParameters> point_section()
 {
   using P = PointParameters;
   Section<P> section("A rigid frame that carries mass");
-  section.required("position", &P::position, vector("m"), "Position, as a rule the centre of mass");
+  section.required("position", &P::position, vector("m"), "Position, usually the centre of mass");
   section.required("mass", &P::mass, number("kg", not_negative()), "Mass");
   section.required("rotational inertia", &P::inertia,
                    fixed_list<3>(number("kg m2", not_negative()), Layout{3, 1, "[xx, yy, zz]", "[in the plane]"}),
@@ -57,37 +57,37 @@ Section<PointParameters> point_section()
   return section;
 }
 
-void check_constraint(const ConstraintParameters& constraint, const Place& place)
+void check_joint(const JointParameters& joint, const Place& place)
 {
   const auto is_zero = [](const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]) == 0.; };
-  const bool hinge = constraint.type == ConstraintType::rotation_lock;
+  const bool hinge = joint.type == JointType::hinge;
   if (hinge && place.context().dimension == 2)
-    place.key("type").fail("a hinge axis has no meaning in 2-D", "use \"coincidence\", which is a hinge there");
-  if (constraint.points[0] == constraint.points[1])
-    place.key("points").fail("both are point " + std::to_string(constraint.points[0]), "join two different points");
+    place.key("type").fail("a hinge axis has no meaning in 2-D", "use \"coincidence\", which acts as a hinge in 2-D");
+  if (joint.points[0] == joint.points[1])
+    place.key("points").fail("both are point " + std::to_string(joint.points[0]), "join two different points");
   if (hinge)
     for (const auto& [name, direction] :
-         {std::make_pair("direction 1", constraint.direction_1), std::make_pair("direction 2", constraint.direction_2)})
+         {std::make_pair("direction 1", joint.direction_1), std::make_pair("direction 2", joint.direction_2)})
       if (is_zero(direction))
         place.key(name).fail("the direction is zero", "give the hinge axis, of any length");
-  if (constraint.type == ConstraintType::distance_stop)
+  if (joint.type == JointType::stop)
     for (const auto& [name, position] :
-         {std::make_pair("position 1", constraint.position_1), std::make_pair("position 2", constraint.position_2)})
-      if (position == constraint.rotation_centre)
-        place.key(name).fail("the anchor lies on the rotation centre, where no angle is defined", "move it away");
+         {std::make_pair("position 1", joint.position_1), std::make_pair("position 2", joint.position_2)})
+      if (position == joint.rotation_centre)
+        place.key(name).fail("the anchor lies on the rotation centre, where no angle is defined",
+                             "move it away from the centre");
 }
 
-Section<ConstraintParameters> constraint_section()
+Section<JointParameters> joint_section()
 {
-  using P = ConstraintParameters;
+  using P = JointParameters;
   const std::string ball = "coincidence", hinge = "rotation lock", rod = "distance lock", stop = "distance stop";
   Section<P> section("A penalty joint between two points of the system");
-  section.required("type", &P::type,
-                   choice<ConstraintType>({{ball, ConstraintType::coincidence},
-                                           {hinge, ConstraintType::rotation_lock},
-                                           {rod, ConstraintType::distance_lock},
-                                           {stop, ConstraintType::distance_stop}}),
-                   "Ball, hinge, rod, or rope that goes taut at an opening angle");
+  section.required(
+      "type", &P::type,
+      choice<JointType>(
+          {{ball, JointType::ball}, {hinge, JointType::hinge}, {rod, JointType::rod}, {stop, JointType::stop}}),
+      "Ball, hinge, rod, or rope that goes taut at an opening angle");
   section.required("points", &P::points, fixed_list<2>(count(Bounds().at_least(1)), Layout{2, 2, "[a, b]", "[a, b]"}),
                    "The two points, numbered from 1 in their system");
   section.required("stiffness", &P::stiffness, number("N/m", positive()), "Penalty stiffness");
@@ -110,7 +110,7 @@ Section<ConstraintParameters> constraint_section()
       .required("angle limit", &P::angle_limit, number("degrees", positive().at_most(180.)),
                 "Opening angle at which the stop goes taut")
       .only_for("type", {stop});
-  section.check(check_constraint);
+  section.check(check_joint);
   return section;
 }
 
@@ -157,9 +157,9 @@ void check_system(const SystemParameters& system, const Place& place)
       where.fail("there is no point " + std::to_string(point),
                  "points count from 1, so use 1 to " + std::to_string(system.points.size()));
   };
-  for (std::size_t i = 0; i < system.constraints.size(); ++i)
+  for (std::size_t i = 0; i < system.joints.size(); ++i)
     for (std::size_t end = 0; end < 2; ++end)
-      require_point(system.constraints[i].points[end], place.key("constraints").entry(i).key("points").entry(end));
+      require_point(system.joints[i].points[end], place.key("constraints").entry(i).key("points").entry(end));
 
   std::size_t files = 0, outlines = 0;
   for (const SurfaceParameters& surface : system.surfaces)
@@ -181,7 +181,7 @@ Section<SystemParameters> system_section()
   using P = SystemParameters;
   Section<P> section("A system of points that constraints may join");
   section.required("points", &P::points, list_of(object_of(point_section()), 1), "The points, numbered from 1");
-  section.optional("constraints", &P::constraints, list_of(object_of(constraint_section())), "Joints between points");
+  section.optional("constraints", &P::joints, list_of(object_of(joint_section())), "Joints between points");
   const auto add = [](P& system, const std::vector<SurfaceParameters>& surfaces)
   { system.surfaces.insert(system.surfaces.end(), surfaces.begin(), surfaces.end()); };
   section.optional("stl files", add, list_of(object_of(stl_section())), "Surfaces that touch the soil");

@@ -26,7 +26,7 @@ Matrix6 generalised_map(const Vector6& increment)
 
 namespace
 {
-/// The balance over all dofs, six per point, before the free ones are picked.
+/// The balance over all dofs, six per point. rigid_balance() then picks the free ones.
 struct FullBalance
 {
   Eigen::VectorXd force, magnitude, round_off;

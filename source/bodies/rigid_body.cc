@@ -15,7 +15,7 @@ TangentCoefficients tangent_coefficients(const double angle)
 {
   const double square = angle * angle;
   TangentCoefficients sum;
-  // Below the switch the closed forms lose digits to cancellation and nine terms of the series reach round-off.
+  // Small angles: the closed forms lose digits to cancellation, and nine terms of the series are exact to round-off.
   if (angle < 0.5)
   {
     double b = 1. / 2., c = 1. / 6., power = 1., previous = 0.; // coefficients, angle^(2k), angle^(2k-2)
@@ -63,7 +63,7 @@ Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& theta)
 
 Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation)
 {
-  // q and -q are the same rotation: take the shorter way.
+  // q and -q are the same rotation: take the smaller angle.
   const double sign = rotation.w() < 0. ? -1. : 1.;
   const double sine = rotation.vec().norm();
   if (sine < 1e-10)

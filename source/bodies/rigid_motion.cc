@@ -19,7 +19,7 @@ Vector6 momentum_rate(const RigidPoint& point)
   return rate;
 }
 
-/// Angular acceleration of a turned inertia, world axes, rad/s2.
+/// Angular acceleration of a body at the pose `end`, world axes, rad/s2.
 Vector3d angular_acceleration(const RigidPoint& point, const Pose& end, const Vector3d& spin, const Vector3d& momentum,
                               const Vector3d& rate)
 {
@@ -40,6 +40,7 @@ Vector6 momentum(const RigidPoint& point)
 void apply_impulse(RigidPoint& point, const Vector6& impulse)
 {
   const Vector6 rate = momentum_rate(point);
+  // Rotations that are not free drop out of the system: their rows and columns become those of the identity.
   Matrix3d inertia = point.world_inertia();
   Vector3d moment = impulse.tail<3>();
   for (unsigned int axis = 0; axis < 3; ++axis)
@@ -82,8 +83,8 @@ EndOfStep end_of_step(const RigidPoint& point, const RigidStep& step, const Vect
   if (step.dt <= 0.)
     return end;
   const double dt = step.dt, ratio = step.gamma / step.beta;
-  // The velocity is by_increment * increment + known, in the axes of the start, where rotations have an increment; the
-  // rates are (change - (1 - gamma) dt rate before) / (gamma dt).
+  // In the axes of the start, the velocity is by_increment * increment + known. Rates are
+  // (change - (1 - gamma) dt rate before) / (gamma dt).
   Vector6 by_increment = Vector6::Constant(1. / dt), known = Vector6::Zero(), gamma = Vector6::Ones();
   for (unsigned int dof = 0; dof < 6; ++dof)
     if (point.is_free(dof))
@@ -95,6 +96,7 @@ EndOfStep end_of_step(const RigidPoint& point, const RigidStep& step, const Vect
   const Vector6 convected = by_increment.cwiseProduct(increment) + known;
   const Vector6 by_change = (gamma * dt).cwiseInverse(), by_rate = gamma.cwiseInverse() - Vector6::Ones();
 
+  // Velocity and momentum in world axes, and their rates.
   const Vector3d theta = increment.tail<3>();
   const Matrix3d turn = rotation_from_vector(theta).toRotationMatrix(), inertia = point.world_inertia();
   end.velocity << convected.head<3>(), turn * convected.tail<3>();
@@ -106,6 +108,7 @@ EndOfStep end_of_step(const RigidPoint& point, const RigidStep& step, const Vect
   end.acceleration.tail<3>() = angular_acceleration(point, point.pose.moved(increment), end.velocity.tail<3>(),
                                                     end.momentum.tail<3>(), end.momentum_rate.tail<3>());
 
+  // d momentum_rate / d increment: the inertia turns with the body, hence the term with the angular momentum.
   end.rate_tangent.topLeftCorner<3, 3>() = (point.mass * by_increment.head<3>()).asDiagonal();
   end.rate_tangent.bottomRightCorner<3, 3>() =
       turn * inertia * by_increment.tail<3>().asDiagonal() - skew(end.momentum.tail<3>()) * rotation_tangent(theta);

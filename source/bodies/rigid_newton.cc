@@ -9,7 +9,7 @@ namespace kedge
 {
 namespace
 {
-/// What each residual may be where Newton has converged. A term of round_off passes through a few operations.
+/// Bound on each residual at convergence. The factor 8 stands for the few operations that each term goes through.
 Eigen::VectorXd allowed_residual(const RigidBalance& balance, const double tolerance)
 {
   return tolerance * balance.magnitude + 8. * balance.round_off;
@@ -20,7 +20,7 @@ bool is_within(const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed)
   return (residual.array().abs() <= allowed.array()).all();
 }
 
-/// tangent^-1 residual and the part of the residual that no change of the increments resists.
+/// tangent^-1 residual, and the part of the residual that no change of the increments can balance.
 struct Correction
 {
   Eigen::VectorXd change, unresisted;
@@ -29,7 +29,8 @@ struct Correction
 Correction correction(const RigidBalance& balance)
 {
   const ScaledFactors scaled(balance.tangent);
-  // Elimination keeps bodies that do not touch apart to the last digit; the orthogonal factors do not.
+  // Bodies that do not touch must not affect each other by round-off. Elimination keeps them apart, orthogonal factors
+  // do not, so these serve singular tangents only.
   if (scaled.is_regular())
     return {scaled.solve(balance.residual), Eigen::VectorXd::Zero(balance.residual.size())};
   const Eigen::VectorXd residual = scaled.scaling.cwiseProduct(balance.residual);
@@ -40,7 +41,7 @@ Correction correction(const RigidBalance& balance)
   return {scaled.scaling.cwiseProduct(shortest), (residual - scaled.matrix * shortest).cwiseQuotient(scaled.scaling)};
 }
 
-/// Numbered as in the input.
+/// Name of a dof, with point and system numbered as in the input.
 std::string name_of(const RigidSystems& systems, const FreeDof& free)
 {
   const auto& first = systems.first_point;
@@ -81,8 +82,8 @@ RigidSolution solve_rigid_motion(const RigidSystems& systems, const RigidStep& s
       return solution;
     }
     const auto [change, unresisted] = correction(solution.balance);
-    // A relaxed joint does not yet hold a hanging body upright. The first correction, the shortest one, lets the joints
-    // take up what they can carry; their tension then gives the stiffness that was missing, or there is none.
+    // A joint without tension does not hold a hanging body upright, so the first tangent may be singular. The first
+    // correction, the shortest one, puts the joints under tension. If stiffness is still missing then, there is none.
     if (solution.iterations > 0 && !is_within(unresisted, allowed))
     {
       Eigen::Index largest;

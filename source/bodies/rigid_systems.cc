@@ -8,7 +8,7 @@ namespace kedge
 {
 namespace
 {
-/// Bounds of no point.
+/// Bounds of an empty set of points.
 const std::array<Eigen::Vector3d, 2> nothing{{Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
                                               Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity())}};
 
@@ -36,12 +36,12 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
       const PointParameters& point = system.points[surface.point - 1];
       const std::string path = fmt::format("rigid bodies[{}].{}[{}]", s, dim == 3 ? "stl files" : "outline", i);
       TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
-      // drawn in global coordinates before the offset, like the points
+      // The input gives surfaces in global coordinates before the offset, like the points.
       systems.surfaces.push_back({Surface(in_body_frame(std::move(mesh), to_world_axes(point.position, dim))),
                                   first + surface.point - 1, surface.interface});
     }
-    for (const ConstraintParameters& constraint : system.constraints)
-      systems.joints.push_back(make_joint(constraint, system.points, first, dim));
+    for (const JointParameters& joint : system.joints)
+      systems.joints.push_back(make_joint(joint, system.points, first, dim));
     for (const TrackedNodeParameters& node : system.tracked_nodes)
       systems.tracked.push_back(
           {to_world_axes(node.position, dim) - to_world_axes(system.points[node.point - 1].position, dim),
@@ -53,7 +53,7 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
 void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>& parameters,
                       const std::vector<PointConditionsOverride>& overrides, const unsigned int dim)
 {
-  // a point made of the conditions alone knows how they read in plane strain
+  // RigidPoint turns the three conditions of plane strain into six, so a point is made from the conditions alone.
   const auto set = [&](const std::size_t system, const std::size_t point, const std::array<DofCondition, 6>& conditions)
   {
     PointParameters changed;

@@ -25,7 +25,7 @@ std::uint32_t announced_facets(std::string_view content)
   return n;
 }
 
-/// Only the size tells binary from ASCII for certain: binary headers may start with "solid".
+/// A binary header may also start with "solid", so only the size of the file is a certain sign.
 bool is_binary(std::string_view content)
 {
   if (content.size() < header_size)
@@ -52,7 +52,7 @@ TriangleMesh parse_binary(std::string_view content, const std::string& json_path
   TriangleMesh soup;
   for (std::size_t t = 0; t < announced; ++t)
   {
-    // Corners only: the normal in front of them follows from their order.
+    // Skip the normal: it follows from the order of the corners.
     std::array<float, 9> x;
     std::memcpy(x.data(), content.data() + header_size + facet_size * t + 12, 36);
     for (unsigned int i = 0; i < 3; ++i)
@@ -85,11 +85,11 @@ public:
 
   void skip_line() { at = std::min(text.find('\n', at), text.size()); }
 
-  void expect(const std::string& wanted)
+  void expect(const std::string& expected)
   {
     const std::string word = next();
-    if (word != wanted)
-      fail(word, "\"" + wanted + "\"");
+    if (word != expected)
+      fail(word, "\"" + expected + "\"");
   }
 
   double number()
@@ -103,15 +103,15 @@ public:
     return value;
   }
 
-  [[noreturn]] void fail(const std::string& word, const std::string& wanted) const
+  [[noreturn]] void fail(const std::string& word, const std::string& expected) const
   {
     if (word.empty())
       throw InputError(json_path,
-                       fmt::format("{}: truncated: ends at line {} where {} should follow", file, line, wanted),
+                       fmt::format("{}: truncated: ends at line {} where {} should follow", file, line, expected),
                        "copy or export the file again");
     throw InputError(json_path,
-                     fmt::format("{}: line {}: found \"{}\" instead of {}", file, line, word.substr(0, 40), wanted),
-                     "only ASCII and binary STL can be read");
+                     fmt::format("{}: line {}: found \"{}\" instead of {}", file, line, word.substr(0, 40), expected),
+                     "export the body as ASCII or binary STL; Kedge reads no other format");
   }
 
 private:
@@ -125,7 +125,7 @@ TriangleMesh parse_ascii(std::string_view content, const std::string& json_path,
   TriangleMesh soup;
   Words words(content, json_path, file);
   words.expect("solid");
-  words.skip_line(); // the name
+  words.skip_line(); // name of the solid
   while (true)
   {
     std::string word = words.next();
@@ -183,7 +183,7 @@ TriangleMesh read_stl(const std::string& file, const std::string& json_path)
                        "export the surface again");
     largest = std::max(largest, x.cwiseAbs().maxCoeff());
   }
-  // A few roundings to single precision, in which most programs store coordinates.
+  // Most programs store coordinates in single precision: the resolution is a few of its roundings.
   const double resolution = 2. * std::numeric_limits<float>::epsilon() * largest;
   TriangleMesh mesh = merge_vertices(soup, resolution);
   check_surface(mesh, json_path, file, resolution / 4.);

@@ -55,6 +55,7 @@ void Surface::Tree::grow(std::vector<unsigned int>::iterator begin, std::vector<
   const auto corner = [&](unsigned int t, unsigned int i) -> const Eigen::Vector3d&
   { return mesh.vertices[mesh.triangles[t][i]]; };
   const auto centre = [&](unsigned int t) -> Eigen::Vector3d { return corner(t, 0) + corner(t, 1) + corner(t, 2); };
+  // Bounds of the triangles, and of their centroids for the choice of the axis to split.
   const unsigned int number = nodes.size();
   nodes.emplace_back();
   Eigen::Vector3d lower = corner(*begin, 0), upper = lower, lower_centre = centre(*begin), upper_centre = lower_centre;
@@ -79,6 +80,7 @@ void Surface::Tree::grow(std::vector<unsigned int>::iterator begin, std::vector<
       facets.push_back({corner(*t, 0), corner(*t, 1) - corner(*t, 0), corner(*t, 2) - corner(*t, 0), *t});
     return;
   }
+  // The first child follows at once, so the node stores only where the second one begins.
   int axis;
   (upper_centre - lower_centre).maxCoeff(&axis);
   const auto middle = begin + (end - begin) / 2;
@@ -92,6 +94,7 @@ void Surface::Tree::grow(std::vector<unsigned int>::iterator begin, std::vector<
 /// Pseudo-normals of faces, edges and vertices, and which of them are features.
 void Surface::Tree::find_parts()
 {
+  // Faces, and the sums that give the pseudo-normals of vertices: face normals weighted by the angle of the corner.
   constexpr double flat = 1e-3; // rad
   const std::vector<Eigen::Vector3d> normals = face_normals(mesh);
   std::vector<Eigen::Vector3d> vertex_normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
@@ -109,7 +112,8 @@ void Surface::Tree::find_parts()
     }
   }
 
-  std::vector<std::vector<Eigen::Vector3d>> tangents(mesh.vertices.size()); // of the true edges at each vertex
+  // Edges that are not flat. Flat ones keep the normal of the face.
+  std::vector<std::vector<Eigen::Vector3d>> tangents(mesh.vertices.size()); // of these edges at each vertex
   for (const SurfaceEdge& edge : surface_edges(mesh, normals))
   {
     if (std::abs(edge.angle) < flat)
@@ -122,6 +126,7 @@ void Surface::Tree::find_parts()
       tangents[v].push_back(tangent);
   }
 
+  // Vertices at such edges. One with just two collinear edges lies inside an edge.
   for (unsigned int t = 0; t < mesh.triangles.size(); ++t)
     for (unsigned int i = 0; i < 3; ++i)
     {
@@ -151,6 +156,7 @@ Nearest Surface::Tree::nearest(const Eigen::Vector3d& x, double squared_limit) c
     stack[size++] = {0, d};
   while (size > 0)
   {
+    // A box that was near enough when it was stacked may have become too far.
     const Entry entry = stack[--size];
     if (entry.squared_distance > best.squared_distance)
       continue;
@@ -164,6 +170,7 @@ Nearest Surface::Tree::nearest(const Eigen::Vector3d& x, double squared_limit) c
     }
     if (node.n_facets > 0)
       continue;
+    // The nearer child goes on top of the stack: it is searched first and tightens the bound for the other one.
     Entry near{entry.node + 1, nodes[entry.node + 1].squared_distance(x)};
     Entry far{node.other, nodes[node.other].squared_distance(x)};
     if (far.squared_distance < near.squared_distance)
@@ -182,10 +189,11 @@ ClosestPoint Surface::Tree::describe(const Eigen::Vector3d& x, const Nearest& ne
   const PartData& part = parts[triangle][nearest.part];
   const Eigen::Vector3d away = x - nearest.point;
   const double height = part.normal.dot(away);
-  // On a face the height above its plane passes smoothly through zero; elsewhere only its sign counts.
+  // On a face the gap is the height above its plane, which passes smoothly through zero. Elsewhere the height gives
+  // only the sign.
   if (part.feature == Feature::face)
   {
-    // The foot of the perpendicular is sharper than barycentric coordinates of a slender triangle.
+    // The foot of the perpendicular is more exact than barycentric coordinates of a slender triangle.
     const Eigen::Vector3d foot = nearest.part == face ? Eigen::Vector3d(x - height * part.normal) : nearest.point;
     return {height, foot, part.normal, part.feature, part.tangent, triangle};
   }
@@ -221,19 +229,20 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance,
                                                           KnownDistance& known) const
 {
-  // wider than round-off, and than what the height above a nearly flat edge is short of the distance to it
+  // The margin covers round-off. Beside a nearly flat edge the gap is a height and a little less than the distance to
+  // the edge; the margin covers this difference too.
   constexpr double margin = 1e-6;
   const double to_box = tree->nodes[0].squared_distance(x);
   if (to_box > distance * distance)
     return std::nullopt;
-  // Inside the box a point may lie deep in the body, which only its sign tells.
+  // A point inside the box may lie deep in the body; only the sign tells, so the search has no limit there.
   double squared_limit = to_box > 0. ? distance * distance : std::numeric_limits<double>::infinity();
   if (!std::isnan(known.signed_distance))
   {
-    const double way = (x - known.at).norm();
-    if ((1. - margin) * (known.signed_distance - way) > distance)
+    const double travelled = (x - known.at).norm();
+    if ((1. - margin) * (known.signed_distance - travelled) > distance)
       return std::nullopt;
-    const double farthest = (1. + margin) * (std::abs(known.signed_distance) + way) + tree->tiny;
+    const double farthest = (1. + margin) * (std::abs(known.signed_distance) + travelled) + tree->tiny;
     squared_limit = std::min(squared_limit, farthest * farthest);
   }
   const Nearest nearest = tree->nearest(x, squared_limit);

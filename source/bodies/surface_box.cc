@@ -33,8 +33,8 @@ bool meets(const Triangle& triangle, const Eigen::Vector3d& half_width)
   return !separates((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]));
 }
 
-/// Squared distance of the segment a-b to the box, the minimum of a convex, piecewise quadratic function: its slope is
-/// linear between the points where the segment passes the planes of the box's faces.
+/// Squared distance from the segment a-b to the box. It is the minimum along the segment of a convex, piecewise
+/// quadratic function, whose slope is linear between the planes of the box's faces.
 double squared_distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& half_width)
 {
   const Eigen::Vector3d along = b - a;
@@ -44,6 +44,7 @@ double squared_distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b, cons
     return x - x.cwiseMax(-half_width).cwiseMin(half_width);
   };
   const auto slope = [&](const double t) { return along.dot(outside(t)); };
+  // Where the segment passes the planes of the faces.
   std::array<double, 8> kinks{{0., 1.}};
   for (unsigned int d = 0; d < 3; ++d)
     for (unsigned int side = 0; side < 2; ++side)
@@ -52,6 +53,7 @@ double squared_distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b, cons
       kinks[2 + 2 * d + side] = t > 0. && t < 1. ? t : 0.;
     }
   std::sort(kinks.begin(), kinks.end());
+  // The minimum lies where the slope passes zero, or at an end.
   double before = slope(0.);
   if (before >= 0.)
     return outside(0.).squaredNorm();
@@ -65,8 +67,8 @@ double squared_distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b, cons
   return outside(1.).squaredNorm();
 }
 
-/// Whether the triangle comes within a distance of the box. Two convex bodies that do not meet are nearest at an edge
-/// of the triangle or at a corner of the box.
+/// Whether the triangle comes within a distance of the box. If they do not meet, the nearest points lie on an edge of
+/// the triangle or at a corner of the box.
 bool is_near(const Triangle& triangle, const Eigen::Vector3d& half_width, const double distance)
 {
   if (meets(triangle, half_width))
@@ -88,7 +90,7 @@ bool is_near(const Triangle& triangle, const Eigen::Vector3d& half_width, const 
   return false;
 }
 
-/// True only where a box of the tree is farther than the distance for certain, by the directions of both boxes' faces.
+/// True only if the face normals of one of the two boxes show that the tree's box is farther away than the distance.
 bool surely_farther(const Node& node, const OrientedBox& box, const Eigen::Matrix3d& absolute_axes,
                     const double distance)
 {
@@ -103,7 +105,7 @@ bool surely_farther(const Node& node, const OrientedBox& box, const Eigen::Matri
 bool Surface::comes_within(const OrientedBox& box, const double distance) const
 {
   const Eigen::Matrix3d absolute_axes = box.axes.cwiseAbs();
-  std::array<unsigned int, 64> stack; // as deep as the tree at most, which is balanced
+  std::array<unsigned int, 64> stack; // the tree is balanced: 64 levels are never reached
   unsigned int size = 0;
   stack[size++] = 0;
   while (size > 0)

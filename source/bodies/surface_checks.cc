@@ -70,7 +70,7 @@ void check_triangles(const TriangleMesh& mesh, double resolution, const Refusal&
          "remesh the surface or remove such triangles");
 }
 
-/// Every edge must have two triangles that run along it in opposite directions.
+/// Every edge must belong to two triangles, which pass it in opposite directions.
 void check_edges(const TriangleMesh& mesh, const std::vector<Side>& sides, const Refusal& refuse)
 {
   std::size_t open = 0, crowded = 0, opposed = 0;
@@ -80,6 +80,7 @@ void check_edges(const TriangleMesh& mesh, const std::vector<Side>& sides, const
     if (count++ == 0)
       first = &side;
   };
+  // The sides of one edge stand next to each other: count them and keep the first edge of each problem.
   for (std::size_t i = 0, j = 0; i < sides.size(); i = j)
   {
     for (j = i; j < sides.size() && sides[j].same_edge(sides[i]);)
@@ -91,6 +92,7 @@ void check_edges(const TriangleMesh& mesh, const std::vector<Side>& sides, const
     else if (sides[i].upwards == sides[i + 1].upwards)
       note(opposed, first_opposed, sides[i]);
   }
+  // Report the worst problem first: an edge with too many triangles, then a hole, then opposite orientations.
   const auto where = [&](const Side& side, std::size_t count)
   {
     return fmt::format("the edge from {} to {}{}", at(mesh.vertices[side.low]), at(mesh.vertices[side.high]),
@@ -102,7 +104,7 @@ void check_edges(const TriangleMesh& mesh, const std::vector<Side>& sides, const
   if (open > 0)
     refuse("not closed: only one triangle holds " + where(*first_open, open), "close the hole");
   if (opposed > 0)
-    refuse("the triangles on either side of " + where(*first_opposed, opposed) + " face opposite ways",
+    refuse("the triangles on either side of " + where(*first_opposed, opposed) + " face opposite sides",
            "orient all triangles outwards");
 }
 
@@ -123,7 +125,7 @@ private:
   std::vector<unsigned int> parent;
 };
 
-/// The triangles around a vertex must form one fan: the corners joined across edges make one group per vertex.
+/// The triangles around a vertex must form one fan. Corners joined across edges then make one group per vertex.
 void check_vertices(const TriangleMesh& mesh, const std::vector<Side>& sides, const Refusal& refuse)
 {
   const auto corner = [&](unsigned int t, unsigned int v)
@@ -179,7 +181,7 @@ double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   return 2. * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
-/// A shell must enclose a positive volume outside all others, or a negative one (a cavity) inside another.
+/// A shell must have a positive volume and lie outside all others, or a negative volume (a cavity) and lie inside one.
 void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
 {
   unsigned int n_shells;
@@ -188,6 +190,7 @@ void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
   {
     const unsigned int first = std::find(shell.begin(), shell.end(), s) - shell.begin();
     const Eigen::Vector3d x = mesh.vertices[mesh.triangles[first][0]];
+    // Its own volume, and its winding number in the other shells: 1 inside another one.
     double volume = 0., angle = 0.;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     {
@@ -206,7 +209,7 @@ void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
              "reverse the order of the corners of every triangle there");
     if (volume >= 0. && winding != 0)
       refuse("the part that holds " + at(x) + " lies inside another part and is not a cavity",
-             "remove it, or turn its triangles if it is one");
+             "remove it, or reverse its triangles if it is a cavity");
   }
 }
 } // namespace

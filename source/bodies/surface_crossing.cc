@@ -10,7 +10,7 @@ namespace kedge
 {
 namespace
 {
-/// Where the edge a-b crosses the triangle's plane and how far outside the triangle that is (barycentric; 0: inside).
+/// Where the edge a-b crosses the plane of the triangle, and how far outside the triangle (barycentric; 0: inside).
 std::pair<Eigen::Vector3d, double> pierce(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                           const std::array<Eigen::Vector3d, 3>& triangle)
 {
@@ -31,7 +31,7 @@ Eigen::Vector3d common_point(const std::array<std::array<Eigen::Vector3d, 3>, 2>
   for (const auto& triangle : triangles)
     for (const Eigen::Vector3d& corner : triangle)
       best += corner / 6.;
-  // Corners that both share pierce trivially: take the piercing point farthest from them.
+  // A shared corner pierces trivially: take the piercing point that is farthest from the corners.
   double farthest = 0.;
   for (unsigned int side = 0; side < 2; ++side)
     for (unsigned int i = 0; i < 3; ++i)

@@ -46,7 +46,7 @@ std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh, const std::vect
 
 namespace
 {
-/// For every side of every triangle: the corner of the neighbour across it where both are coplanar, else none.
+/// For every side of every triangle: the far corner of the neighbour across it if both are coplanar, else none.
 using FlatNeighbours = std::vector<std::array<std::optional<Eigen::Vector3d>, 3>>;
 
 FlatNeighbours flat_neighbours(const TriangleMesh& mesh, const std::vector<SurfaceEdge>& edges)
@@ -60,9 +60,10 @@ FlatNeighbours flat_neighbours(const TriangleMesh& mesh, const std::vector<Surfa
   return across;
 }
 
-/// Half the width of a face as seen from one of its sides. Two coplanar triangles on either side of a diagonal count as
-/// one quadrilateral: half the mean distance of its far corners. Otherwise the distance of the circumcentre, kept
-/// between that of the centroid and half the height, since long and obtuse triangles have theirs far away.
+/// Half the width of a face, seen from one of its sides. Two coplanar triangles that share a diagonal count as one
+/// quadrilateral, with half the mean distance of its far corners. A single triangle has the distance of its
+/// circumcentre. Long or obtuse triangles have theirs far away, so the distance of the centroid and half the height
+/// bound it.
 double half_width(const TriangleMesh& mesh, const FlatNeighbours& across, unsigned int triangle, unsigned int side)
 {
   const auto corner = [&](unsigned int i) { return mesh.vertices[mesh.triangles[triangle][(side + i) % 3]]; };
@@ -75,7 +76,7 @@ double half_width(const TriangleMesh& mesh, const FlatNeighbours& across, unsign
   return std::clamp(circumcentre, height / 3., height / 2.);
 }
 
-/// Whether the normals of the faces around any vertex spread by more than a right angle while no edge there is concave.
+/// Whether any vertex has no concave edge and face normals that spread by more than a right angle.
 bool has_sharp_convex_vertex(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& normals,
                              const std::vector<SurfaceEdge>& edges)
 {

@@ -1,4 +1,4 @@
-// Edges and normals of a closed mesh, as the signed distance and the edge radius need them.
+// Edges and normals of a closed mesh. The signed distance and the edge radius need them.
 #pragma once
 
 #include <kedge/bodies/surface.h>
@@ -17,8 +17,8 @@ struct SurfaceEdge
 /// Unit outward normal of every triangle.
 std::vector<Eigen::Vector3d> face_normals(const TriangleMesh& mesh);
 
-/// Radius of the rounding that an edge is a facet's end of, or 0 where it is sharp: see Surface::sharpest_edge_radius.
-/// Infinite where the edge does not count. `angle` in rad, convex positive; half widths of the two faces in m.
+/// Radius (m) of the rounding that an edge belongs to: 0 if the edge is sharp, infinite if it does not count (see
+/// Surface::sharpest_edge_radius). `angle` in rad, positive if convex; half widths of the two faces in m.
 double rounding_radius(double angle, double half_width_0, double half_width_1);
 
 /// All edges, each once. The mesh must be closed.

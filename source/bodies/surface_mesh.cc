@@ -22,8 +22,8 @@ struct CellHash
   }
 };
 
-/// Numbers points so that points closer than the tolerance share a number. A grid of cells as wide as the tolerance
-/// leaves 27 cells in which a neighbour can lie.
+/// Numbers points so that points closer than the tolerance share a number. The cells of its grid are as wide as the
+/// tolerance, so a neighbour can only lie in 27 of them.
 class PointNumbering
 {
 public:
@@ -75,7 +75,7 @@ private:
 
 TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance)
 {
-  // Most vertices of an STL repeat exactly: these need one look-up each instead of 27.
+  // Most vertices of an STL repeat exactly. These need one look-up each instead of 27.
   PointNumbering exact(0.);
   std::vector<unsigned int> number;
   number.reserve(mesh.vertices.size());
@@ -117,7 +117,7 @@ MassProperties mass_properties(const TriangleMesh& mesh)
   if (mesh.triangles.empty())
     return {0., 0., Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
 
-  // Integrals relative to a point of the mesh: a body far from the origin then loses no digits.
+  // Integrate relative to a point of the mesh, so that a body far from the origin loses no digits.
   const Eigen::Vector3d origin = mesh.vertices[mesh.triangles[0][0]];
   double volume = 0., area = 0.;
   Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();

@@ -24,8 +24,8 @@ bool holds(const Point& a, const Point& b, const Point& c, const Point& x)
   return turn(a, b, x) >= 0. && turn(b, c, x) >= 0. && turn(c, a, x) >= 0.;
 }
 
-/// Triangulates a simple polygon, given counter-clockwise, by cutting ears. Returns an incomplete list where no ear is
-/// left, as in a polygon that crosses itself.
+/// Triangulates a simple, counter-clockwise polygon by cutting ears. The list is incomplete if no ear is left before
+/// the end, as in a polygon that crosses itself.
 std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& polygon)
 {
   std::vector<unsigned int> rest(polygon.size());
@@ -104,6 +104,7 @@ double sharpest_corner_radius(const std::vector<Point>& outline)
 TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::string& json_path)
 {
   check_outline(outline, json_path);
+  // Area and size; a clockwise outline is reversed.
   const std::size_t n = outline.size();
   double area = 0., size = 0.;
   for (std::size_t i = 0; i < n; ++i)
@@ -116,14 +117,16 @@ TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::strin
     polygon.assign(outline.rbegin(), outline.rend());
   const std::vector<std::array<unsigned int, 3>> cap = cut_ears(polygon);
   if (cap.size() + 2 != n)
-    throw InputError(json_path, "the outline touches itself or encloses no area", "order the points along the outline");
+    throw InputError(json_path, "the outline touches itself or encloses no area",
+                     "order the points along the outline and remove points that lie on another side");
 
-  // No inner point is farther from the sides than the outline is large, so the caps at this distance are never nearest.
+  // An inner point is no farther from the sides than `size`, so caps at this distance are never nearest.
   const double half_width = 4. * size;
   TriangleMesh mesh;
   for (const double y : {-half_width, half_width})
     for (const Point& x : polygon)
       mesh.vertices.emplace_back(x[0], y, x[1]);
+  // Two triangles per side, then both caps.
   const auto front = [](std::size_t i) { return static_cast<unsigned int>(i); };
   const auto back = [n](std::size_t i) { return static_cast<unsigned int>(n + i); };
   for (std::size_t i = 0; i < n; ++i)

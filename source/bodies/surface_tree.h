@@ -21,7 +21,7 @@ enum Part : unsigned int
   n_parts
 };
 
-/// What a closest point on one part of a triangle is told.
+/// Data that a closest point takes from the part of the triangle on which it lies.
 struct PartData
 {
   Eigen::Vector3d normal; ///< pseudo-normal, unit
@@ -29,7 +29,7 @@ struct PartData
   Feature feature = Feature::face;
 };
 
-/// A triangle as the distance computation needs it, in the order of the tree's leaves.
+/// A triangle in the form that the distance computation needs. Facets stand in the order of the tree's leaves.
 struct Facet
 {
   Eigen::Vector3d a, ab, ac;

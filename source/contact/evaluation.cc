@@ -22,9 +22,10 @@ Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
       return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
     case Feature::vertex:
       return Eigen::Matrix3d::Identity();
-    default:
-      return closest.normal * closest.normal.transpose();
+    case Feature::face:
+      break;
   }
+  return closest.normal * closest.normal.transpose();
 }
 } // namespace
 

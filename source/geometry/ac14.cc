@@ -13,12 +13,12 @@ namespace
 {
 using Eigen::Vector2d;
 
-/// Rounding of every convex edge is at least this, m: half a material point of 0.05 m.
+/// Least radius of every convex edge, m: half a material point of 0.05 m.
 constexpr double least_radius = 0.025;
 /// Coarser triangles leave sharp edges on the ridges of the palms, m.
 constexpr double largest_size_on_palms = 0.04;
 
-/// Cubic step from 0 at `from` to 1 at `to`, which may lie on either side.
+/// Cubic step from 0 at `from` to 1 at `to`. `to` may be smaller than `from`.
 double smooth_step(double from, double to, double x)
 {
   const double t = std::clamp((x - from) / (to - from), 0., 1.);
@@ -28,12 +28,13 @@ double smooth_step(double from, double to, double x)
 void require_mesh(const PartMesh& mesh)
 {
   if (!(mesh.size >= 0.005) || mesh.size > 0.2)
-    throw InputError("size", fmt::format("{:g} m are no edges for this body", mesh.size), "use 0.005 to 0.2 m");
+    throw InputError("size", fmt::format("triangles with edges of {:g} m do not suit this body", mesh.size),
+                     "use 0.005 to 0.2 m");
   if (mesh.segments == 0)
-    throw InputError("edge segments", "0 facets make no rounding", "use at least 1");
+    throw InputError("edge segments", "a rounding cannot have 0 facets", "use at least 1");
 }
 
-/// From the back of the crown over its end and along a leaf-shaped fluke back into the slot, seen along z.
+/// Outline seen along z: from the back of the crown around its end, along a leaf-shaped fluke, and back into the slot.
 std::vector<Vector2d> fluke_outline(const Ac14Fluke& fluke, const PartMesh& mesh)
 {
   const double w = fluke.crown_width / 2., s = fluke.slot_width / 2., x = fluke.length / 1.7;
@@ -52,7 +53,7 @@ std::vector<Vector2d> fluke_outline(const Ac14Fluke& fluke, const PartMesh& mesh
                             mesh.size, mesh.segments);
 }
 
-/// Foot, tapered shaft and eye, seen along y.
+/// Outline of foot, tapered shaft and eye, seen along y.
 OutlineChains shank_outline(const Ac14Shank& shank, const PartMesh& mesh)
 {
   const double end = shank.start + shank.length;
@@ -68,7 +69,7 @@ OutlineChains shank_outline(const Ac14Shank& shank, const PartMesh& mesh)
   if (shank.eye_radius > 0.)
   {
     chains.push_back(arc({shank.eye, 0.}, {shank.eye_radius, 0.}, {0., shank.eye_radius}, M_PI, mesh.segments));
-    chains.back().back()[1] = 0.; // sin(pi) is not
+    chains.back().back()[1] = 0.; // sin(pi) is not exactly 0
   }
   return chains;
 }
@@ -82,7 +83,7 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
   const double size = std::min(mesh.size, largest_size_on_palms);
   const Planform planform = triangulate_outline({fluke_outline(fluke, mesh)}, rim_width, size, mesh.segments);
 
-  // The crown: a wedge that falls off to the flukes.
+  // The crown is a wedge that thins towards the flukes.
   const auto crown = [=](const Vector2d& p)
   { return smooth_step(0.85 * x0, 0.5 * x0, p[0]) * smooth_step(0., 0.32 * x0, p[0]); };
   const auto flukes = [=](const Vector2d& p)
@@ -90,7 +91,7 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
     const double thinning = 1. - 0.7 * std::max(0., (p[0] - 0.6 * x0) / (length - 0.6 * x0));
     return thinning * (0.65 + 0.35 * smooth_step(0., 0.6 * x0, p[0]));
   };
-  // Chosen: a floor under the crown's rim, and the tripping palms, a ridge along each half of the crown.
+  // This part is given: a constant under the rim of the crown, and the tripping palms, one ridge per half of the crown.
   const auto chosen = [=](const Vector2d& p)
   {
     const double y = std::abs(p[1]);

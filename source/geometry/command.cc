@@ -12,7 +12,7 @@ namespace kedge
 {
 namespace
 {
-/// What every body has: where its file goes, where it is moved to and how heavy it is.
+/// Options of every body: file, translation and density.
 struct Target
 {
   std::string file;
@@ -40,7 +40,7 @@ std::string describe(const TriangleMesh& mesh, const Target& target)
   const MassProperties properties = mass_properties(mesh);
   const auto [lower, upper] = bounds(mesh);
   const auto& c = properties.centroid;
-  // Products of inertia that vanish by symmetry are printed as such, not as round-off.
+  // Products of inertia that vanish by symmetry are printed as 0, not as round-off.
   const double round_off = 1e-14 * properties.inertia.norm();
   const auto inertia = [&](double factor)
   {

@@ -12,8 +12,8 @@ namespace
 {
 using Eigen::Vector3d;
 
-/// Triangles of a convex body, turned outwards from a point inside it. Triangles that collapse, as the strip of a
-/// rounding of radius zero does, are left out.
+/// Triangles of a convex body. Each is oriented away from a point inside the body. Triangles without area, as in the
+/// strip of a rounding of radius zero, are left out.
 class ConvexSoup
 {
 public:
@@ -55,7 +55,7 @@ void require_rounding(const Rounding& rounding, double largest_radius)
     throw InputError("edge radius", fmt::format("{:g} m does not fit the body", rounding.radius),
                      fmt::format("use 0 to {:g} m", largest_radius));
   if (rounding.segments == 0)
-    throw InputError("edge segments", "0 facets make no rounding", "use at least 1");
+    throw InputError("edge segments", "a rounding cannot have 0 facets", "use at least 1");
 }
 
 void require_sides(unsigned int sides)
@@ -64,7 +64,7 @@ void require_sides(unsigned int sides)
     throw InputError("sides", fmt::format("{} facets around the axis enclose nothing", sides), "use at least 3");
 }
 
-/// Direction i, j, k of n = i + j + k over an octant of the unit sphere: equal angles along the octant's sides.
+/// Direction (i, j, k), with n = i + j + k, in an octant of the unit sphere. Along the octant's sides angles are equal.
 Vector3d octant_direction(unsigned int i, unsigned int j, unsigned int k)
 {
   const double quarter = M_PI / 2. / (i + j + k);
@@ -87,7 +87,8 @@ TriangleMesh revolve(const Profile& profile, unsigned int sides)
   return soup.joined();
 }
 
-/// A box shrunk by the rounding radius, around which a sphere of that radius rolls: corners, edges and faces.
+/// The surface on which a sphere rolls around a box: corners, edges and faces. The box is shrunk by the sphere's
+/// radius.
 class RoundedBox
 {
 public:
@@ -189,8 +190,8 @@ TriangleMesh make_sphere(double radius, unsigned int segments)
 
 namespace
 {
-/// Radius at which the straight flank of a frustum must meet the plane of its wider base so that the rounded rim is as
-/// wide as the base was to be: R + r (s + sqrt(1 + s^2) - 1) with the slope s of the flank.
+/// Radius of a sharp frustum at its wider base for which the rounded rim has radius R: R + r (s + sqrt(1 + s^2) - 1),
+/// with the slope s of the flank and the rounding radius r.
 double flank_radius(double wide, double narrow, double length, double rounding_radius)
 {
   double radius = wide;
@@ -228,11 +229,12 @@ TriangleMesh make_cone(double radius, double apex_angle, double length, unsigned
   require_positive("length", length);
   require_sides(sides);
   if (!(apex_angle > 1. && apex_angle < 179.))
-    throw InputError("apex angle", fmt::format("{:g} degrees is no cone", apex_angle), "use 1 to 179 degrees");
+    throw InputError("apex angle", fmt::format("{:g} degrees does not give a cone", apex_angle),
+                     "use 1 to 179 degrees");
   const double half = apex_angle / 2. * M_PI / 180., r = rounding.radius;
   require_rounding(rounding, radius / 2.);
 
-  // A sphere of radius r that touches the origin and is tangent to the cone from here on.
+  // The tip is a sphere of radius r that touches the origin; from here on the cone is tangent to it.
   const Eigen::Vector2d tangent_point(r - r * std::sin(half), r * std::cos(half));
   const double shoulder = tangent_point[0] + (radius - tangent_point[1]) / std::tan(half);
   if (length <= shoulder)

@@ -15,8 +15,8 @@ double turning(const Profile& profile, std::size_t i)
   return std::atan2(std::abs(u[0] * v[1] - u[1] * v[0]), u.dot(v));
 }
 
-/// Appends the points after a up to b, halving the side while its facets are much longer than their narrow end is wide.
-/// Flat ends and sides that end on the axis are left whole: fans of triangles.
+/// Appends the points after a up to b. Halves the side while its facets are much longer than wide at their narrow end.
+/// Flat ends, and sides that end on the axis, stay whole: they become fans of triangles.
 void append_divided(const Eigen::Vector2d& a, const Eigen::Vector2d& b, unsigned int sides, Profile& points)
 {
   constexpr double longest_aspect = 20.;
@@ -35,7 +35,7 @@ void append_divided(const Eigen::Vector2d& a, const Eigen::Vector2d& b, unsigned
 Profile arc(const Eigen::Vector2d& centre, const Eigen::Vector2d& start, const Eigen::Vector2d& end, double angle,
             unsigned int segments)
 {
-  // Round-off must not turn an exact quarter into one facet more.
+  // Round-off must not add a facet to an exact quarter turn.
   const unsigned int n = std::max(1., std::ceil(segments * angle / (M_PI / 2.) - 1e-9));
   Profile points;
   for (unsigned int i = 0; i <= n; ++i)
@@ -69,7 +69,7 @@ Profile fillet(const Profile& profile, const Rounding& rounding)
       const Profile points = arc(corner.centre, r * start, r * end, angle, rounding.segments);
       rounded.insert(rounded.end(), points.begin(), points.end());
     };
-    // Where the arc is widest one facet ends and the next begins, so that the diameter is exact.
+    // A vertex at the widest point of the arc makes the diameter exact.
     const double to_widest = std::atan2(u[1], u[0]);
     if (to_widest > 1e-9 && to_widest < angle - 1e-9)
     {
@@ -80,7 +80,7 @@ Profile fillet(const Profile& profile, const Rounding& rounding)
       append_arc(-inwards, u, angle);
   }
   rounded.push_back(profile.back());
-  // A fillet that uses up its side ends where the next begins, but for round-off.
+  // A fillet that uses its whole side ends where the next one begins, up to round-off.
   const auto coincide = [r](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return (a - b).norm() < 1e-9 * r; };
   rounded.erase(std::unique(rounded.begin(), rounded.end(), coincide), rounded.end());
   rounded.back() = profile.back();

@@ -1,4 +1,4 @@
-// Profiles of bodies of revolution: points (along the axis, radius), m.
+// Profiles of bodies of revolution. Points have the coordinates (along the axis, radius), m.
 #pragma once
 
 #include <Eigen/Core>

@@ -27,7 +27,8 @@ void append_side(const Vector2d& b, double size, std::vector<Vector2d>& points)
     points.push_back(b);
 }
 
-/// Unit vectors into the material. The chain starts and ends across the axis: the ends' lie exactly along it.
+/// Unit vectors into the material at the points of a chain. The chain meets the axis at right angles, so the vectors at
+/// its ends lie exactly along the axis.
 std::vector<Vector2d> inward_normals(const std::vector<Vector2d>& chain)
 {
   const auto right_of = [&](std::size_t i)
@@ -70,8 +71,8 @@ void mirror(Planform& half)
 constexpr double rim_reach = 1.35;
 
 /// Adds the strip between a chain and its inset: rings of vertices at equal angles of the quarter ellipse, and one more
-/// on the flat, so that the compact triangles of the rounding do not depend on how the inside is filled. Returns the
-/// vertices of that last ring.
+/// ring on the flat part. With this one the triangles of the rounding do not depend on the filling of the inside.
+/// Returns the vertices of the last ring.
 std::vector<unsigned int> add_rim(const std::vector<Vector2d>& chain, const PlaneFunction& rim_width,
                                   unsigned int rings, Planform& planform)
 {
@@ -103,8 +104,8 @@ double distance_to_segment(const Vector2d& x, const Vector2d& a, const Vector2d&
   return (x - a - s * (b - a)).norm();
 }
 
-/// Distance from the sides of a polygon, and the length of edges wanted at this distance: that of the sides nearby,
-/// growing inwards up to `size`.
+/// Distance from the sides of a polygon, and the length that edges should have there: that of the nearby sides at
+/// first, growing inwards up to `size`.
 std::array<double, 2> distance_and_length(const std::vector<Vector2d>& polygon, const Vector2d& x, double size)
 {
   constexpr double growth = 0.5;
@@ -118,8 +119,8 @@ std::array<double, 2> distance_and_length(const std::vector<Vector2d>& polygon, 
   return {distance, length};
 }
 
-/// Points inside a polygon: a triangular lattice of the given size that keeps off the sides, with points of the halved
-/// and quartered lattices where short sides are near.
+/// Points inside a polygon: a triangular lattice of the given size that keeps a distance from the sides. Near short
+/// sides it has also points of the halved and quartered lattices.
 std::vector<Vector2d> lattice_points(const std::vector<Vector2d>& polygon, double size)
 {
   Vector2d lower = polygon[0], upper = polygon[0];
@@ -229,7 +230,8 @@ Vector2d volume_and_moment(const Planform& planform, const PlaneFunction& half_t
       sum_x += planform.positions[i][0];
       sum_xz += planform.positions[i][0] * z[i];
     }
-    integral += 2. * area * Vector2d(sum_z / 3., (sum_x * sum_z + sum_xz) / 12.); // linear functions, both sides
+    integral += 2. * area *
+                Vector2d(sum_z / 3., (sum_x * sum_z + sum_xz) / 12.); // exact for linear functions; both sides of Z = 0
   }
   return integral;
 }

@@ -15,12 +15,12 @@ struct OutlineCorner
   double radius;
 };
 
-/// Boundary of the half Y >= 0 of an outline: chains that start and end on the axis Y = 0, across it, in the order and
-/// direction in which one walks round the half with the material on the right. The axis joins each to the next.
+/// Boundary of the half Y >= 0 of an outline: chains that start and end at right angles on the axis Y = 0. Their order
+/// and direction are those of a tour around the half with the material on the right; the axis joins each to the next.
 using OutlineChains = std::vector<std::vector<Eigen::Vector2d>>;
 
-/// The polyline through filleted corners; straight sides divided into lengths of at most `size` (m), fillets into
-/// `segments` per quarter turn. Throws InputError where neighbouring fillets overlap.
+/// The polyline through filleted corners. Straight sides have edges of at most `size` (m), fillets `segments` facets
+/// per quarter turn. Throws InputError if neighbouring fillets overlap.
 std::vector<Eigen::Vector2d> make_outline_chain(const std::vector<OutlineCorner>& corners, double size,
                                                 unsigned int segments);
 
@@ -36,23 +36,23 @@ struct Planform
 /// A length or half thickness as a function of the position in the plane, m.
 using PlaneFunction = std::function<double(const Eigen::Vector2d&)>;
 
-/// Both halves of the outline, equal to the last bit. `rim_width` is that of the rounding in the plane (m); convex
-/// fillets must be half as large again. `size` is the length of the edges inside the rim.
+/// Triangulates both halves of the outline, equal to the last bit. `rim_width` is the width of the rounding in the
+/// plane (m); convex fillets must be 1.5 times as large. `size` is the length of the edges inside the rim.
 Planform triangulate_outline(const OutlineChains& chains, const PlaneFunction& rim_width, double size,
                              unsigned int rim_segments);
 
 /// Volume (m3) and its first moment along X (m4) of the body with half thickness h: linear in h.
 Eigen::Vector2d volume_and_moment(const Planform& planform, const PlaneFunction& half_thickness);
 
-/// What a body's thickness has to give.
+/// Volume and centroid that the thickness of a body must give.
 struct Solid
 {
   double volume;   ///< m3
   double centroid; ///< X, m
 };
 
-/// The half thickness `given` + a p + b q with which the body has the volume and centroid of `solid`. Throws InputError
-/// where an edge would then have a smaller radius than the least one (m).
+/// Finds a and b such that a body with the half thickness `given` + a p + b q has the volume and centroid of `solid`.
+/// Throws InputError if an edge then has a smaller radius than `least_radius` (m).
 PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& given, const PlaneFunction& p,
                                  const PlaneFunction& q, const Solid& solid, const PlaneFunction& rim_width,
                                  double least_radius);

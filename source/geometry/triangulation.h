@@ -8,8 +8,7 @@
 namespace kedge
 {
 /// Constrained Delaunay triangles (counter-clockwise) of a simple polygon, whose corners are the first `n_corners`
-/// points in order; the other points lie inside it. Throws InputError where its
-/// sides cross.
+/// points in order; the other points lie inside it. Throws InputError if its sides cross.
 std::vector<std::array<unsigned int, 3>> triangulate_polygon(const std::vector<Eigen::Vector2d>& points,
                                                              unsigned int n_corners);
 

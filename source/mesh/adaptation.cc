@@ -8,8 +8,8 @@ namespace kedge
 {
 namespace
 {
-constexpr double slack = 1.01;  // sizes that differ by less are of one level
-constexpr double across = 1e-3; // of a leaf's size: where its neighbours are looked for
+constexpr double slack = 1.01;  // sizes with a smaller ratio belong to one level
+constexpr double across = 1e-3; // distance from a leaf, as a share of its size, at which to look for neighbours
 
 template <int dim> using Leaf = typename LeafTable<dim>::Leaf;
 
@@ -38,7 +38,8 @@ template <int dim> std::array<double, dim> parent_corner(const Leaf<dim>& leaf)
   return corner;
 }
 
-/// Whether the leaf is its parent's first child and the leaves after it are the others, which their order puts there.
+/// Whether the leaf is the first child of its parent and the next leaves are the other children, as their order
+/// implies.
 template <int dim> bool begins_family(const std::vector<Leaf<dim>>& leaves, const std::size_t first)
 {
   constexpr unsigned int n = LeafTable<dim>::n_vertices;
@@ -57,7 +58,7 @@ template <int dim> bool begins_family(const std::vector<Leaf<dim>>& leaves, cons
   return true;
 }
 
-/// Whether a finer leaf touches the family that begins with this leaf, be it in a corner only.
+/// Whether a finer leaf touches the family that begins with this leaf, even if only at a corner.
 template <int dim> bool touches_finer_leaf(const LeafTable<dim>& table, const Leaf<dim>& first)
 {
   std::array<double, dim> lower, upper;
@@ -97,6 +98,7 @@ Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wan
   const auto allows = [&](const std::vector<double>& limit, const std::size_t i)
   { return leaves[i].tree_level > 0 && 2. * leaves[i].size <= slack * limit[i]; };
 
+  // Most calls end here, before the ranks exchange anything.
   bool any = false;
   for (std::size_t i = 0; i < leaves.size(); ++i)
     any = any || (leaves[i].owned && allows(largest, i));
@@ -105,6 +107,7 @@ Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wan
 
   std::vector<double> limit = largest;
   update_ghosts<dim>(mesh, limit);
+  // Flag a family if all children allow it and are owned here.
   bool flagged = false, split = false;
   for (std::size_t first = 0; first < leaves.size(); ++first)
   {

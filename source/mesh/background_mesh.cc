@@ -5,7 +5,6 @@
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/affine_constraints.h>
-#include <functional>
 #include <kedge/mesh/background_mesh.h>
 #include <p4est.h>
 #include <unordered_map>
@@ -16,7 +15,7 @@ namespace
 {
 using dealii::types::global_dof_index;
 
-/// True nodes of one leaf: numbers, positions and the share of every vertex, ready to be sent to other ranks.
+/// True nodes of one leaf in a form that can be sent to other ranks: numbers, positions and weights of every vertex.
 struct LeafNodes
 {
   std::vector<global_dof_index> ids;
@@ -28,6 +27,7 @@ struct LeafNodes
 
 template <int dim> using CellRange = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
+/// Replaces the hanging vertices of a leaf by the nodes that they hang on.
 template <int dim>
 LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell, const dealii::AffineConstraints<double>& constraints,
                                    const std::unordered_map<global_dof_index, dealii::Point<dim>>& master_positions)
@@ -56,6 +56,7 @@ LeafNodes resolve_hanging_vertices(const CellRange<dim>& cell, const dealii::Aff
     else
       entries.push_back({{double(v), double(add_node(vertex_ids[v], cell->vertex(v))), 1.}});
 
+  // A leaf needs weights unless its nodes are its vertices, in their order.
   bool hanging = leaf.ids.size() != n_vertices;
   for (unsigned int i = 0; !hanging && i < n_vertices; ++i)
     hanging = leaf.ids[i] != vertex_ids[i];
@@ -83,10 +84,11 @@ std::unordered_map<global_dof_index, dealii::Point<dim>> find_vertex_positions(c
   return positions;
 }
 
-/// Nodes of every owned and ghost leaf, by active cell index. A ghost leaf's vertices may hang on cells that this rank
-/// does not know, so meshes with hanging nodes take the ghosts' nodes from their owners.
+/// Nodes of every owned and ghost leaf, by active cell index. The vertices of a ghost leaf may hang on cells that this
+/// rank does not know, so on a mesh with hanging nodes the owners send the nodes of ghosts.
 template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes)
 {
+  // Which vertices hang, and on which nodes. The nodes' positions are needed only if some vertex hangs.
   dealii::IndexSet relevant;
   dealii::DoFTools::extract_locally_relevant_dofs(nodes, relevant);
   dealii::AffineConstraints<double> constraints(relevant);
@@ -96,6 +98,7 @@ template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHan
   if (constraints.n_constraints() > 0)
     positions = find_vertex_positions(nodes);
 
+  // All ranks must agree on whether they exchange nodes.
   const MPI_Comm communicator = nodes.get_triangulation().get_communicator();
   const bool any_hanging = dealii::Utilities::MPI::max(unsigned(constraints.n_constraints() > 0), communicator) > 0;
   const bool ask_owners = any_hanging && dealii::Utilities::MPI::n_mpi_processes(communicator) > 1;
@@ -110,11 +113,83 @@ template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHan
         [&](const auto& cell, const LeafNodes& received) { leaf_nodes[cell->active_cell_index()] = received; });
   return leaf_nodes;
 }
-} // namespace
 
-namespace
+/// Fills the tree, the leaves and the nodes of a leaf table; enters cells in the order in which they are given.
+template <int dim> class LeafTableBuilder
 {
-/// p4est reports every action on standard output unless it is told once not to.
+public:
+  using TreeCell = typename dealii::Triangulation<dim>::cell_iterator;
+
+  LeafTableBuilder(LeafTable<dim>& table_, std::vector<unsigned int>& leaf_of_cell_,
+                   const std::vector<LeafNodes>& leaf_nodes_, const dealii::IndexSet& owned_nodes_)
+      : table(table_), leaf_of_cell(leaf_of_cell_), leaf_nodes(leaf_nodes_), owned_nodes(owned_nodes_)
+  {
+  }
+
+  /// Enters a cell and all its descendants below an entry of the tree.
+  void enter(const TreeCell& cell, const std::size_t entry)
+  {
+    if (!cell->has_children())
+    {
+      const typename BackgroundMesh<dim>::Cell leaf(cell);
+      if (!leaf->is_artificial())
+        enter_leaf(leaf, entry);
+      return;
+    }
+    const std::size_t first = table.tree.size();
+    table.tree[entry] = static_cast<std::int32_t>(first);
+    table.tree.resize(first + LeafTable<dim>::n_vertices, LeafTable<dim>::unknown);
+    for (unsigned int child = 0; child < LeafTable<dim>::n_vertices; ++child)
+      enter(cell->child(child), first + child);
+  }
+
+private:
+  void enter_leaf(const typename BackgroundMesh<dim>::Cell& cell, const std::size_t entry)
+  {
+    const LeafNodes& source = leaf_nodes[cell->active_cell_index()];
+    typename LeafTable<dim>::Leaf leaf;
+    for (unsigned int d = 0; d < dim; ++d)
+      leaf.lower[d] = cell->vertex(0)[d];
+    leaf.size = table.base_size / double(1u << cell->level());
+    leaf.node_begin = table.nodes.size();
+    leaf.weight_begin = table.weights.size();
+    leaf.n_nodes = source.ids.size();
+    leaf.regular = source.weights.empty();
+    leaf.owned = cell->is_locally_owned();
+    leaf.owner = cell->subdomain_id();
+    leaf.tree_level = cell->level();
+    leaf.tree_index = cell->index();
+    for (unsigned int i = 0; i < source.ids.size(); ++i)
+      table.nodes.push_back(number_node(source.ids[i], source.positions.data() + dim * i));
+    table.weights.insert(table.weights.end(), source.weights.begin(), source.weights.end());
+    leaf_of_cell[cell->active_cell_index()] = table.leaves.size();
+    table.tree[entry] = -1 - static_cast<std::int32_t>(table.leaves.size());
+    table.leaves.push_back(leaf);
+  }
+
+  /// Local number of a node. Nodes are numbered in the order in which leaves name them.
+  unsigned int number_node(const global_dof_index id, const double* position)
+  {
+    const auto [entry, is_new] = local_number.emplace(id, table.node_ids.size());
+    if (is_new)
+    {
+      table.node_ids.push_back(id);
+      std::array<double, dim> x;
+      std::copy_n(position, dim, x.begin());
+      table.node_position.push_back(x);
+      table.node_owner_is_me.push_back(owned_nodes.is_element(id));
+    }
+    return entry->second;
+  }
+
+  LeafTable<dim>& table;
+  std::vector<unsigned int>& leaf_of_cell;
+  const std::vector<LeafNodes>& leaf_nodes;
+  const dealii::IndexSet& owned_nodes;
+  std::unordered_map<global_dof_index, unsigned int> local_number;
+};
+
+/// p4est reports every action on standard output unless it is told otherwise, once.
 MPI_Comm silence_p4est(const MPI_Comm communicator)
 {
   if (sc_package_id < 0)
@@ -163,10 +238,10 @@ template <int dim> void BackgroundMesh<dim>::update()
 {
   ++n_changes;
   nodes.distribute_dofs(dealii::FE_Q<dim>(1));
-  dealii::DoFRenumbering::hierarchical(nodes); // the order of cells depends on how they came about
+  dealii::DoFRenumbering::hierarchical(nodes); // the order of the cells depends on the history of the mesh
   const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);
-  const dealii::IndexSet owned = nodes.locally_owned_dofs();
 
+  // A new table with an empty tree; only the window stays.
   const Window<dim> window = table.window;
   table = LeafTable<dim>();
   table.window = window;
@@ -174,63 +249,14 @@ template <int dim> void BackgroundMesh<dim>::update()
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();
   table.n_owned_nodes = nodes.n_locally_owned_dofs();
-  unsigned int n_base_cells = 1;
+  std::size_t n_base_cells = 1;
   for (unsigned int d = 0; d < dim; ++d)
     n_base_cells *= grid.base_cells[d];
   table.tree.assign(n_base_cells, LeafTable<dim>::unknown);
   leaf_of_cell.assign(forest.n_active_cells(), dealii::numbers::invalid_unsigned_int);
 
-  std::unordered_map<global_dof_index, unsigned int> local_number;
-  const auto number_node = [&](const global_dof_index id, const double* position)
-  {
-    const auto [entry, is_new] = local_number.emplace(id, table.node_ids.size());
-    if (is_new)
-    {
-      table.node_ids.push_back(id);
-      std::array<double, dim> x;
-      std::copy_n(position, dim, x.begin());
-      table.node_position.push_back(x);
-      table.node_owner_is_me.push_back(owned.is_element(id));
-    }
-    return entry->second;
-  };
-
-  const std::function<void(const typename dealii::Triangulation<dim>::cell_iterator&, std::size_t)> enter =
-      [&](const typename dealii::Triangulation<dim>::cell_iterator& cell, const std::size_t entry)
-  {
-    if (cell->has_children())
-    {
-      const std::size_t first = table.tree.size();
-      table.tree[entry] = static_cast<std::int32_t>(first);
-      table.tree.resize(first + LeafTable<dim>::n_vertices, LeafTable<dim>::unknown);
-      for (unsigned int child = 0; child < LeafTable<dim>::n_vertices; ++child)
-        enter(cell->child(child), first + child);
-      return;
-    }
-    const Cell active(cell);
-    if (active->is_artificial())
-      return;
-    const LeafNodes& source = leaf_nodes[active->active_cell_index()];
-    typename LeafTable<dim>::Leaf leaf;
-    for (unsigned int d = 0; d < dim; ++d)
-      leaf.lower[d] = active->vertex(0)[d];
-    leaf.size = grid.base_size / double(1u << active->level());
-    leaf.node_begin = table.nodes.size();
-    leaf.weight_begin = table.weights.size();
-    leaf.n_nodes = source.ids.size();
-    leaf.regular = source.weights.empty();
-    leaf.owned = active->is_locally_owned();
-    leaf.owner = active->subdomain_id();
-    leaf.tree_level = active->level();
-    leaf.tree_index = active->index();
-    for (unsigned int i = 0; i < source.ids.size(); ++i)
-      table.nodes.push_back(number_node(source.ids[i], source.positions.data() + dim * i));
-    table.weights.insert(table.weights.end(), source.weights.begin(), source.weights.end());
-    leaf_of_cell[active->active_cell_index()] = table.leaves.size();
-    table.tree[entry] = -1 - static_cast<std::int32_t>(table.leaves.size());
-    table.leaves.push_back(leaf);
-  };
-
+  // Base cells are the first entries of the tree, x fastest, whatever order the forest has them in.
+  LeafTableBuilder<dim> builder(table, leaf_of_cell, leaf_nodes, nodes.locally_owned_dofs());
   for (const auto& cell : forest.cell_iterators_on_level(0))
   {
     std::size_t entry = 0, stride = 1;
@@ -239,7 +265,7 @@ template <int dim> void BackgroundMesh<dim>::update()
       entry += stride * static_cast<std::size_t>(std::lround(cell->vertex(0)[d] / grid.base_size));
       stride *= grid.base_cells[d];
     }
-    enter(cell, entry);
+    builder.enter(cell, entry);
   }
 }
 

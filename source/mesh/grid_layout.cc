@@ -6,7 +6,7 @@ namespace kedge
 {
 namespace
 {
-// Sizes come from decimal input: 0.8 / 0.1 must count as 8, not as 8.000000000000002.
+// Sizes come from decimal input: 0.8 / 0.1 must count as 8, despite round-off.
 constexpr double rounding_slack = 1e-9;
 
 unsigned int count_rounded_up(const double length, const double unit)

@@ -19,8 +19,7 @@ std::vector<typename BackgroundMesh<dim>::Cell> cells_in_forest_order(const Back
 {
   using Cell = typename BackgroundMesh<dim>::Cell;
   const auto& forest = mesh.triangulation();
-  // p4est's order: of trees, whose numbers a distributed triangulation has for its coarse cells; within a tree of
-  // children.
+  // p4est orders by tree, then by child. A distributed triangulation numbers its coarse cells like the trees.
   std::vector<std::tuple<std::size_t, std::vector<std::uint8_t>, Cell>> order;
   for (const auto& cell : forest.active_cell_iterators())
     if (cell->is_locally_owned())
@@ -51,7 +50,7 @@ LeafPlace<dim> place_of(const typename BackgroundMesh<dim>::Cell& cell, const Ba
 
 template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<LeafPlace<dim>>& leaves)
 {
-  std::set<Key<dim>> divided; // every cell above a leaf
+  std::set<Key<dim>> divided; // all ancestors of the leaves
   for (LeafPlace<dim> place : leaves)
     while (place.level > 0)
     {
@@ -59,7 +58,7 @@ template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<L
       for (std::int64_t& i : place.index)
         i /= 2;
       if (!divided.insert(key_of(place)).second)
-        break; // those above it are known
+        break; // its ancestors are known, too
     }
 
   auto& forest = mesh.triangulation();
@@ -80,7 +79,8 @@ template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<L
 
 template <int dim> void repartition_to(BackgroundMesh<dim>& mesh, const std::vector<std::int64_t>& counts)
 {
-  // p4est cuts the sum of the weights into equal parts: each rank's cells get the same sum, its first one the most.
+  // p4est cuts the sum of the weights into equal parts. The weights of each rank's cells get the same sum here: the
+  // first cell makes up for missing ones.
   const std::int64_t largest = *std::max_element(counts.begin(), counts.end());
   const auto cells = cells_in_forest_order(mesh);
   const std::int64_t first = sum_over_lower_ranks(cells.size(), mesh.triangulation().get_communicator());

@@ -9,7 +9,7 @@ namespace
 {
 using Planes = std::array<TrackPlane, 3>;
 
-/// Fills one member of all planes from a list.
+/// Setter that fills one member of all planes from a list.
 template <typename V> auto per_axis(V TrackPlane::*member)
 {
   return [member](Planes& planes, const std::array<V, 3>& values)
@@ -19,8 +19,8 @@ template <typename V> auto per_axis(V TrackPlane::*member)
   };
 }
 
-/// Only the plane that the bodies leave behind may remove soil: the lower one when it moves up, the upper one when it
-/// moves down.
+/// Only a plane that the bodies leave behind may remove soil: a lower plane that moves up, or an upper plane that moves
+/// down.
 void check_removal(const Planes& planes, const Place& place, Advance trailing)
 {
   for (std::size_t axis = 0; axis < planes.size(); ++axis)
@@ -38,20 +38,19 @@ Section<Planes> planes_section(const std::string& side, Advance trailing)
       fixed_list<3>(choice<std::optional<FaceCondition>>(
                         {{"off", std::nullopt}, {"roller", FaceCondition::roller}, {"fixed", FaceCondition::fixed}}),
                     axes()),
-      "Condition on the plane, in place of that of the grid's face, where a plane that would lie beyond it stops; "
-      "\"off\": "
-      "no plane on this axis");
+      "Condition on the plane, in place of that of the grid's face; a plane stops at that face; \"off\": no plane on "
+      "this axis");
   section.required("distance", per_axis(&TrackPlane::distance), vector("m", not_negative()),
-                   "Distance from the bodies' extent, that of their surfaces, rounded outward to base cells");
+                   "Distance from the extent of the bodies' surfaces, rounded outward to base cells");
   section.required(
       "advance", per_axis(&TrackPlane::advance),
       fixed_list<3>(
           choice<Advance>({{"positive", Advance::positive}, {"negative", Advance::negative}, {"both", Advance::both}}),
           axes()),
-      "Ways the plane may move along its axis after it was placed at the start of the stage");
+      "Directions in which the plane may move along its axis after the start of the stage, where it was placed");
   section.required(
       "remove", per_axis(&TrackPlane::remove), fixed_list<3>(yes_no(), axes()),
-      "\"yes\": the soil behind the plane is deleted, only on a trailing plane; \"no\": it waits as it is");
+      "\"yes\": the soil behind the plane is deleted (on a trailing plane only); \"no\": it stays and waits");
   section.check([trailing](const Planes& planes, const Place& place) { check_removal(planes, place, trailing); });
   return section;
 }
@@ -130,7 +129,7 @@ Section<Adaptivity> adaptivity_section()
                    "Base size where there is soil, base size everywhere, or finer where the bodies' surfaces are");
   section.required("element size", &P::element_size, number("m", positive()), "Cell size at the surfaces")
       .only_for("type", surface);
-  // Set by functions: the zeros in the struct mean "no region" and are no defaults to publish.
+  // Functions set these members, because their zeros mean "no region" and must not be published as defaults.
   section
       .optional(
           "region", [](P& into, double read) { into.region = read; }, number("m", positive()),

@@ -6,7 +6,7 @@ namespace kedge
 {
 namespace
 {
-/// In base cells: a body that rests against a cell's face by construction must not be taken for one across it.
+/// Tolerance in base cells: a body may be built to rest against the face of a cell and must not count as crossing it.
 constexpr double slack = 1e-9;
 
 unsigned int move_plane(const unsigned int from, const unsigned int to, const Advance advance)
@@ -35,12 +35,12 @@ template <int dim>
 Window<dim> advance_window(const Window<dim>& window, const BoundaryTrack& track, const Extent<dim>& bodies,
                            const GridLayout<dim>& grid)
 {
-  const Window<dim> wanted = place_window<dim>(track, bodies, grid);
+  const Window<dim> placed = place_window<dim>(track, bodies, grid);
   Window<dim> advanced = window;
   for (unsigned int axis = 0; axis < dim; ++axis)
   {
-    const unsigned int lower = move_plane(window.lower[axis], wanted.lower[axis], track.min[axis].advance);
-    const unsigned int upper = move_plane(window.upper[axis], wanted.upper[axis], track.max[axis].advance);
+    const unsigned int lower = move_plane(window.lower[axis], placed.lower[axis], track.min[axis].advance);
+    const unsigned int upper = move_plane(window.upper[axis], placed.upper[axis], track.max[axis].advance);
     if (lower >= upper)
       continue;
     advanced.lower[axis] = lower;

@@ -1,4 +1,4 @@
-// What a restart file is made of, for its writer and its reader.
+// Contents of a restart file, for its writer and its reader.
 #pragma once
 
 #include <fmt/format.h>
@@ -6,7 +6,7 @@
 
 namespace kedge::checkpoint
 {
-/// Grows with every change of what the file holds.
+/// Grows with every change of the contents.
 constexpr int format_version = 4;
 
 /// Widths of the tables' rows.
@@ -17,7 +17,7 @@ constexpr unsigned int body_width =
     3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
 constexpr unsigned int contact_key_width = 3, contact_width = 6;
 
-/// The fields of a particle, as the text "particle fields" lists them: a file of other fields is not readable.
+/// The fields of a particle, as the text "particle fields" lists them. A file with other fields cannot be read.
 inline std::string field_names()
 {
   std::string names;
@@ -27,7 +27,7 @@ inline std::string field_names()
   return names;
 }
 
-/// What the text "version" says.
+/// Value of the text "version".
 inline std::string version_text(const unsigned int dim)
 {
   return fmt::format("Kedge restart file {}, {}-D", format_version, dim);

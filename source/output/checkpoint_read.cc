@@ -32,17 +32,18 @@ Json parse(const std::string& text, const std::string& path)
 {
   const Json json = Json::parse(text, nullptr, false);
   if (json.is_discarded())
-    throw FileError(path, "is damaged: a text in it is no JSON");
+    throw FileError(path, "is damaged: a text in it is not JSON; use an older restart file or start again");
   return json;
 }
 
-/// Whether a stage with a later end has the same steps: explicit ones may be shares of the whole time.
+/// Whether a stage keeps its steps when its end moves. Explicit stages do not if their basis step is a share of the
+/// time.
 bool steps_are_of_fixed_length(const Json& stage)
 {
   return stage.value("type", "") != "explicit" || (stage.contains("basis step") && stage["basis step"].is_number());
 }
 
-/// Takes the end of the last stage out of both where it is later now: the way up to the restart file is the same.
+/// Removes the end of the last stage from both inputs if it is later now: up to the restart file the run is the same.
 void forget_later_end(Json& now, Json& then)
 {
   if (now.at("analysis").size() != then.at("analysis").size())
@@ -56,7 +57,7 @@ void forget_later_end(Json& now, Json& then)
   }
 }
 
-/// Throws InputError where two inputs differ in what makes the state.
+/// Throws InputError if two inputs differ in a value that affects the state.
 void require_same_input(const std::string& now, const std::string& then, const std::string& path)
 {
   Json a = parse(then, path), b = Json::parse(now);
@@ -76,12 +77,12 @@ void require_same_input(const std::string& now, const std::string& then, const s
         "may differ, and a later \"final time\" of the last stage (explicit: where \"basis step\" is a number)");
 }
 
-/// A point of the grid as a number that does not depend on how it was computed.
+/// A point of the grid as whole numbers, which do not depend on round-off.
 template <int dim> std::string node_key(const double* position, const double base_size)
 {
   std::array<std::int64_t, dim> key;
   for (unsigned int d = 0; d < dim; ++d)
-    key[d] = std::llround(std::ldexp(position[d] / base_size, 30)); // no tree is as deep as that
+    key[d] = std::llround(std::ldexp(position[d] / base_size, 30)); // 30 levels: no tree is so deep
   return {reinterpret_cast<const char*>(key.data()), sizeof(key)};
 }
 
@@ -161,7 +162,7 @@ void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file, const st
 template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
   const MPI_Comm communicator = soil.mesh.triangulation().get_communicator();
-  // Any share will do: the records go where their particles are.
+  // Any distribution serves: each record then goes to the rank of its particle.
   const std::size_t n = file.n_rows("contact keys", contact_key_width), rank = rank_of(communicator),
                     size = size_of(communicator), first = n * rank / size, count = n * (rank + 1) / size - first;
   const auto keys = file.read_rows<std::int64_t>("contact keys", contact_key_width, first, count);

@@ -13,7 +13,7 @@ double volume_ratio(const double* data)
   return F[0] * (F[4] * F[8] - F[5] * F[7]) - F[1] * (F[3] * F[8] - F[5] * F[6]) + F[2] * (F[3] * F[7] - F[4] * F[6]);
 }
 
-/// Values of a kind in the world's axes.
+/// Values of a kind of field, in world axes.
 template <int dim> void copy_in_world_axes(const FieldKind kind, const double* stored, double* value)
 {
   switch (kind)
@@ -45,7 +45,7 @@ template <int dim> void copy_position(const double* position, double* value)
   std::copy_n(x.data(), 3, value);
 }
 
-/// A field that follows from stored ones. It stands behind the stored field `after` in tables.
+/// A field derived from stored ones. In tables it stands behind the stored field `after`.
 struct DerivedField
 {
   const char *name, *after;
@@ -103,7 +103,7 @@ template <int dim> ParticleField make_field(const FieldDeclaration& stored, cons
           { copy_in_world_axes<dim>(kind, p.data + offset, value); }};
 }
 
-/// Every field that can be written; the state variables of a law one by one.
+/// Every field that can be written, and each state variable of a law as a field.
 template <int dim> std::vector<ParticleField> all_particle_fields(const std::vector<StateVariable>& of_law)
 {
   std::vector<ParticleField> fields;
@@ -202,14 +202,14 @@ template <int dim>
 std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
                                                   const std::vector<StateVariable>& of_law)
 {
-  std::vector<std::string> wanted;
+  std::vector<std::string> expanded;
   for (const std::string& name : names)
     if (name != particle_fields[index_of("law state")].name)
-      wanted.push_back(name);
+      expanded.push_back(name);
     else
       for (const StateVariable& variable : of_law)
-        wanted.push_back(variable.name);
-  return select(all_particle_fields<dim>(of_law), wanted);
+        expanded.push_back(variable.name);
+  return select(all_particle_fields<dim>(of_law), expanded);
 }
 
 std::vector<BodyField> select_body_fields(const std::vector<std::string>& names)

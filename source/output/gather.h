@@ -1,4 +1,4 @@
-// Collecting rows of plain data on the rank that writes.
+// Collects rows of plain data on the rank that writes.
 #pragma once
 
 #include <kedge/base/communication.h>

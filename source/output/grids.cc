@@ -30,7 +30,7 @@ void add_box(const std::array<double, dim>& lower, const std::array<double, dim>
 
 template <int dim> constexpr CellShape box_shape = dim == 3 ? CellShape::hexahedron : CellShape::quad;
 
-/// The array of one field: `evaluate(i, value)` writes the components of entry i.
+/// The array of one field. `evaluate(i, value)` writes the components of entry i.
 template <typename Field, typename Evaluate>
 DataArray evaluate_field(const Field& field, std::size_t n, const Evaluate& evaluate)
 {

@@ -8,7 +8,7 @@ namespace kedge
 {
 namespace
 {
-/// Closes an HDF5 object when it goes out of scope. Negative numbers are objects that could not be made.
+/// Closes an HDF5 object when it goes out of scope. A negative number stands for an object that could not be created.
 class Handle
 {
 public:
@@ -27,7 +27,7 @@ private:
   herr_t (*close)(hid_t);
 };
 
-/// HDF5 prints the course of every failure unless told not to; here failures become FileErrors.
+/// Stops HDF5 from printing its call stack at every failure; here failures become FileErrors.
 class Silence
 {
 public:
@@ -115,7 +115,7 @@ void Hdf5Writer::write_rows(const std::string& name, const std::vector<T>& mine,
                      H5Dclose);
   if (table < 0)
     sound = false;
-  if (total == 0) // HDF5 has no place for it that it could write to
+  if (total == 0) // HDF5 gives an empty table no space in the file
     return;
   const Slice slice(space, sum_over_lower_ranks(count, communicator), count, width);
   if (H5Dwrite(table, native_type(T()), slice.memory, space, slice.transfer, mine.data()) < 0)
@@ -143,7 +143,7 @@ void Hdf5Writer::finish()
       std::remove(draft.c_str());
   }
   if (!on_all_ranks(sound, communicator))
-    throw FileError(path, "could not be written in full; is the disk full?");
+    throw FileError(path, "could not be written in full; check that the disk has free space");
 }
 
 Hdf5Reader::Hdf5Reader(std::string path_, const MPI_Comm communicator_)

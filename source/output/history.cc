@@ -74,7 +74,7 @@ void write_particle_csv(const ParticleTable& table, const std::vector<ParticleFi
   for (const std::size_t row : order)
     for (std::size_t column = 0; column < n_columns; ++column)
     {
-      // "{}" gives the shortest digits that read back as the same number
+      // "{}" gives the fewest digits that read back as the same number
       fmt::format_to(end, "{}", table.values[row * n_columns + column]);
       text.push_back(column + 1 < n_columns ? ',' : '\n');
     }
@@ -98,7 +98,7 @@ void BodyHistory::resume_after(unsigned int step)
   {
     const std::string last = line.substr(line.rfind(',') + 1);
     const bool is_step = !last.empty() && std::all_of(last.begin(), last.end(), [](char c) { return std::isdigit(c); });
-    // a row without its end was being written when the run stopped
+    // A row without a line end was cut off when the run stopped.
     if (!lines.eof() && is_step && std::stoul(last) <= step)
       kept += line + "\n";
   }
@@ -145,7 +145,7 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
   }
   fmt::format_to(end, ",{},{}\n", stage, step);
   file.write(row.data(), static_cast<std::streamsize>(row.size()));
-  // a row must survive whatever happens to the run
+  // A row must survive even if the run crashes.
   file.flush();
   if (!file)
     throw FileError(path, "could not be written");

@@ -102,9 +102,10 @@ Section<OutputParameters> output_section()
   Section<P> section("Files written during the run, below its output folder");
   section.include(series_section("vtk"), &P::vtk);
   section.include(series_section("csv"), &P::csv);
-  section.optional("checkpoint every", &P::checkpoint_every, interval(),
-                   "Interval between restart files; without it one is written where a stage ends that is not the last "
-                   "and where a run fails");
+  section.optional(
+      "checkpoint every", &P::checkpoint_every, interval(),
+      "Interval between restart files; without it, a restart file is written at the end of every stage but the last "
+      "one, and when a run fails");
   section.optional("checkpoint directory", &P::checkpoint_directory, output_folder(), "Folder of the restart files");
   return section;
 }

@@ -110,7 +110,7 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
   if (csv && !parameters.csv.particle_fields.empty())
     for (unsigned int layer = 0; layer < n_layers; ++layer)
     {
-      // one layer at a time, because rank 0 holds all of it
+      // One layer at a time, because rank 0 gathers all of its particles.
       const std::vector<ParticleField>& fields = csv_particle_fields[layer];
       const ParticleTable table =
           gather_on_root(tabulate(layers[layer], fields), count_components(fields), communicator);

@@ -51,7 +51,7 @@ StageSummary stage_from(const Json& json)
   return stage;
 }
 
-/// The first line: some implementations add how they were built.
+/// The first line only: some implementations add how they were built.
 std::string mpi_version()
 {
   char text[MPI_MAX_LIBRARY_VERSION_STRING];
@@ -109,7 +109,7 @@ void write_summary(const RunSummary& summary, const std::string& file)
                      {"wall time", {{"total", summary.total_seconds}, {"phases", summary.seconds}}},
                      {"peak memory", summary.peak_memory},
                      {"libraries", summary.libraries}};
-  // a file name may hold bytes that are no UTF-8: that must not cost the summary
+  // A file name may hold bytes that are not UTF-8. They are replaced, so that the summary can be written.
   replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 } // namespace kedge

@@ -7,13 +7,13 @@ namespace kedge
 {
 namespace
 {
-/// The faces shown of one surface, in the frame of its point.
+/// The faces of one surface that are shown, in the frame of its point.
 struct Faces
 {
   std::vector<Eigen::Vector3d> corners;
   std::vector<std::int32_t> connectivity; ///< into `corners`
   std::vector<double> area;               ///< m2 (2-D: m)
-  std::vector<int> of_triangle;           ///< face that each triangle of the surface is part of, or -1
+  std::vector<int> of_triangle;           ///< face that each triangle of the surface belongs to, or -1
 };
 
 Faces show_triangles(const TriangleMesh& mesh)
@@ -31,7 +31,7 @@ Faces show_triangles(const TriangleMesh& mesh)
   return faces;
 }
 
-/// Turns the prism of a plane-strain body back into its outline: both triangles of a side have two ends in the plane.
+/// Turns the prism of a plane-strain body back into its outline: each triangle of a side projects to two points.
 Faces show_outline(const TriangleMesh& mesh)
 {
   using InPlane = std::pair<double, double>;

@@ -17,13 +17,13 @@ std::string last_system_message() { return std::generic_category().message(errno
 
 void write_text_file(const std::string& path, const std::string& text)
 {
-  // C streams, because they promise an errno.
+  // C streams set errno on failure; C++ streams need not.
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (!file)
     throw FileError(path, "cannot be opened for writing: " + last_system_message());
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
   const std::string problem = written ? "" : last_system_message();
-  // A full disk may show only when the buffer is flushed.
+  // A full disk may be noticed only when the buffer is flushed.
   if (std::fclose(file) != 0 || !written)
     throw FileError(path, "could not be written in full: " + (written ? last_system_message() : problem));
 }

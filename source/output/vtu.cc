@@ -26,9 +26,10 @@ unsigned int points_per_cell(CellShape shape)
       return 4;
     case CellShape::hexahedron:
       return 8;
-    default:
-      return 1;
+    case CellShape::vertex:
+      break;
   }
+  return 1;
 }
 
 template <typename T> constexpr const char* type_name()
@@ -40,8 +41,8 @@ template <typename T> constexpr const char* type_name()
   return std::is_same<T, std::uint8_t>::value ? "UInt8" : "Int32";
 }
 
-/// The binary part at the end of a file. Each array is cut into blocks: first the number of blocks, their size, the
-/// size of an incomplete last one (or 0) and the compressed sizes, then the blocks.
+/// The binary part at the end of a file. Each array is cut into blocks. A header precedes them: number of blocks, size
+/// of a block, size of an incomplete last block (or 0), compressed sizes.
 class AppendedData
 {
 public:
@@ -74,7 +75,7 @@ private:
     const std::size_t begin = text.size();
     uLongf n_compressed = compressBound(n_bytes);
     text.resize(begin + n_compressed);
-    // The fastest level: higher ones take longer and save less than a tenth of such numbers.
+    // Higher levels of compression take longer and save less than a tenth on such numbers.
     if (compress2(reinterpret_cast<Bytef*>(&text[begin]), &n_compressed, source, n_bytes, Z_BEST_SPEED) != Z_OK)
       throw std::bad_alloc();
     text.resize(begin + n_compressed);
@@ -84,7 +85,7 @@ private:
   std::string text;
 };
 
-/// What the tags of an array in a grid and in a list of pieces have in common.
+/// Attributes that the tag of an array has both in a grid and in a list of pieces.
 std::string array_attributes(const DataArray& array)
 {
   const char* type = std::holds_alternative<std::vector<float>>(array.values) ? "Float32" : "Int32";

@@ -13,7 +13,7 @@ std::string plain_number(double value)
 {
   return Json(value == static_cast<long>(value) ? Json(static_cast<long>(value)) : Json(value)).dump();
 }
-/// The slip of a quoted number gets a remedy of its own.
+/// A number in quotes is a frequent mistake, so it has a remedy of its own.
 void refuse_quoted_number(const Json& json, const Place& place, const std::string& expects)
 {
   if (json.is_string() && Json::parse(json.get<std::string>(), nullptr, false).is_number())

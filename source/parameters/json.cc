@@ -21,7 +21,7 @@ public:
   bool number_unsigned(number_unsigned_t value) override { return place(value); }
   bool number_float(number_float_t value, const string_t&) override { return place(value); }
   bool string(string_t& value) override { return place(value); }
-  bool binary(binary_t&) override { return false; } // never in text
+  bool binary(binary_t&) override { return false; } // cannot occur in text
   bool start_object(std::size_t) override { return open(Json::object()); }
   bool start_array(std::size_t) override { return open(Json::array()); }
   bool end_object() override { return close(); }
@@ -99,7 +99,7 @@ private:
 
   const std::string &text, &source;
   Json document;
-  std::vector<Json*> nest; // a container grows only while none of its entries is open, so the pointers stay valid
+  std::vector<Json*> nest; // pointers stay valid: a container grows only while none of its entries is open
   std::vector<std::string> names;
 };
 
@@ -165,9 +165,9 @@ void apply_override(Json& document, const std::string& assignment)
     if (target->is_array())
       target = &list_entry(*target, segment, assignment);
     else if (target->is_object() || target->is_null())
-      target = &(*target)[segment]; // a new key: the check of the whole document judges it
+      target = &(*target)[segment]; // may add a key; the check of the whole document refuses unknown ones
     else
-      refuse(assignment, "\"" + segment + "\" is looked for inside " + shown(*target) + ", which holds no keys",
+      refuse(assignment, "\"" + segment + "\" cannot be a key inside " + shown(*target) + ", which holds no keys",
              "shorten the path");
   }
   *target = override_value(assignment.substr(equals + 1));

@@ -6,7 +6,7 @@ namespace
 {
 using Visit = std::function<void(const std::string&, const Json&)>;
 
-/// The object inside a value: the value itself or the entries of a list; null where there is none.
+/// The object inside a value: the value itself or the entries of a list; null if there is none.
 const Json* object_in(const Json& schema, std::string& path)
 {
   if (schema.contains("properties"))

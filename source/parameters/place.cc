@@ -12,7 +12,7 @@ Place Place::key(const std::string& name) const
 
 Place Place::entry(std::size_t position) const
 {
-  Place place(*this); // an entry means what its list means
+  Place place(*this); // keeps the meaning: an entry means what its list means
   place.text += "[" + std::to_string(position) + "]";
   return place;
 }

@@ -41,9 +41,10 @@ std::string status(const Key& key)
       return "required with " + described(key.condition);
     case Condition::Kind::unused_for:
       return plain + ", without effect with " + described(key.condition);
-    default:
-      return plain;
+    case Condition::Kind::none:
+      break;
   }
+  return plain;
 }
 
 Json property(const Key& key)
@@ -52,7 +53,7 @@ Json property(const Key& key)
   if (!key.unit.empty())
     result["unit"] = key.unit;
   for (const auto& [name, value] : key.schema.items())
-    result[name == "description" ? "about" : name] = value; // of a nested object: what the section says of itself
+    result[name == "description" ? "about" : name] = value; // the description of a nested section moves to "about"
   if (!key.standard.is_null())
     result["default"] = key.standard;
   result["expected"] = key.expects;
@@ -60,7 +61,7 @@ Json property(const Key& key)
   return result;
 }
 
-/// The rule of a conditional key; null where there is none to state.
+/// The JSON Schema rule of a conditional key; null if it needs none.
 Json rule(const Key& key)
 {
   if (key.condition.kind == Condition::Kind::none || key.condition.kind == Condition::Kind::unused_for)

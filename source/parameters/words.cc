@@ -41,7 +41,7 @@ std::string nearest(const std::string& word, const std::vector<std::string>& can
   for (const std::string& candidate : candidates)
   {
     const std::size_t distance = edit_distance(word, candidate);
-    // One slip in three letters still points at a word; more is a guess.
+    // With one error in three letters the word is still recognisable; with more it would be a guess.
     if (distance < least && 3 * distance <= std::max(word.size(), candidate.size()))
     {
       least = distance;

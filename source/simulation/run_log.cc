@@ -75,7 +75,7 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
 {
   StageSummary& stage = summary.stages.back();
   stage.penetration = std::max(stage.penetration, state.penetration);
-  Progress shown;
+  ProgressLine shown;
   shown.stage = summary.stages.size();
   shown.n_stages = input.stages.size();
   shown.time = clock.steps_done() * step_length;

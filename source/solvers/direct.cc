@@ -10,7 +10,7 @@ namespace
 {
 using Factors = Eigen::UmfPackLU<Eigen::SparseMatrix<double>>;
 
-/// A matrix whose rows all lie on this rank.
+/// Copies a matrix whose rows all lie on this rank.
 Eigen::SparseMatrix<double, Eigen::RowMajor> copy_rows(const TpetraMatrix& matrix)
 {
   const auto n = static_cast<Eigen::Index>(matrix.getGlobalNumRows());
@@ -36,12 +36,12 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> copy_rows(const TpetraMatrix& matri
   return rows;
 }
 
-/// False where the matrix is singular. All rows and entries lie on this rank.
+/// Returns false if the matrix is singular. All rows and entries lie on this rank.
 bool factorise_and_solve(const TpetraMatrix& matrix, const TpetraMultiVector& b, TpetraMultiVector& x)
 {
   const Eigen::SparseMatrix<double> columns = copy_rows(matrix);
   Factors factors;
-  factors.umfpackControl()(UMFPACK_IRSTEP) = 0; // steps of refinement cost more than the solution itself
+  factors.umfpackControl()(UMFPACK_IRSTEP) = 0; // a step of refinement costs more than the solution itself
   factors.compute(columns);
   if (factors.info() != Eigen::Success)
     return false;

@@ -17,27 +17,29 @@ using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNod
 using MultiVector = TpetraMultiVector;
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
-constexpr std::size_t always_direct_below = 2000; // dofs: a factorisation beats any set-up
-/// Dofs: fill-in takes minutes and gigabytes beyond.
+/// Below this number of dofs a factorisation is faster than setting up a hierarchy.
+constexpr std::size_t always_direct_below = 2000;
+/// Above this number of dofs a factorisation takes minutes and gigabytes, because of fill-in.
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
-constexpr double almost_zero =
-    1e-10; // MueLu refuses modes that vanish on an aggregate, as all its nodes held would have
+/// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
+constexpr double almost_zero = 1e-10;
 constexpr unsigned int worth_a_rebuild = 9; // iterations that cost about as much as a new hierarchy
-constexpr double forgetting = 0.9;          // of what keeping a hierarchy has cost, per solve with a new one
+constexpr double forgetting = 0.9;          // factor on the expected waste per solve with a new hierarchy
 
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
 {
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
   list.set("number of equations", static_cast<int>(block_size));
-  // Smoothed prolongators save hardly an iteration, for 2.5 times the set-up; smoother sweeps before the coarse
-  // correction an eighth, for half as much again per iteration (sand that yields, an elastic cube of 100 000 dofs)
+  // Measured on yielding sand and on an elastic cube of 100 000 dofs: smoothing the prolongators saves hardly an
+  // iteration but makes set-up 2.5 times dearer. Smoother sweeps before the coarse correction save an eighth of the
+  // iterations but make each 1.5 times dearer.
   list.set("multigrid algorithm", strong ? "sa" : "unsmoothed");
   list.set("smoother: pre or post", strong ? "both" : "post");
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
   list.set("coarse: max size", parallel ? 300 : 1000);
-  if (parallel) // KLU2 of Trilinos 13 is wrong for matrices that are spread over ranks, symmetric ones too
+  if (parallel) // KLU2 of Trilinos 13 gives wrong results for matrices on several ranks, also for symmetric ones
   {
     list.set("coarse: type", "RELAXATION");
     Teuchos::ParameterList& coarse = list.sublist("coarse: params");
@@ -46,14 +48,15 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   }
   else
     list.set("coarse: type", "KLU2");
-  // a node that no aggregate takes has fewer unknowns than modes: the rest leave empty rows in the coarse matrix
+  // A node outside all aggregates has fewer unknowns than modes, which leaves empty rows in the coarse matrix.
   list.set("rap: fix zero diagonals", true);
   list.set("max levels", 6);
-  list.set("reuse: type", "none"); // the others of Trilinos 13 fail where the pattern of a coarse matrix changes
+  list.set("reuse: type", "none"); // other types of Trilinos 13 fail if the pattern of a coarse matrix changes
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
-  smoother.set("relaxation: sweeps", strong ? 4 : 1); // two save an eighth of the iterations, each a third longer
+  smoother.set("relaxation: sweeps",
+               strong ? 4 : 1); // two save an eighth of the iterations, but each is a third dearer
   return list;
 }
 
@@ -94,7 +97,7 @@ void add_columns(const Border& border, const double factor, const Eigen::VectorX
     x.update(factor * y[i], *border.columns->getVector(i), 1.);
 }
 
-/// A - C R^-1 B^T: what is left of a bordered matrix when the border's unknowns are eliminated.
+/// A - C R^-1 B^T: a bordered matrix after its border's unknowns were eliminated.
 class Eliminated : public Operator
 {
 public:
@@ -123,12 +126,12 @@ struct LinearSolver::Implementation
   unsigned int block_size;
   Teuchos::RCP<TpetraMatrix> matrix;
   Teuchos::RCP<MultiVector> near_null_space;
-  std::unique_ptr<NearMatrix> near; ///< what the hierarchy is built from, where the nodes' places are known
+  std::unique_ptr<NearMatrix> near; ///< the hierarchy is built from it if the places of the nodes are known
   Teuchos::RCP<Hierarchy> hierarchy;
-  Teuchos::RCP<const Operator> eliminated; ///< what GMRES sees in place of the matrix while there is a border
+  Teuchos::RCP<const Operator> eliminated; ///< replaces the matrix in GMRES while there is a border
   bool strong_hierarchy = false;
-  double fresh_rate = 0.;     ///< iterations per e-fold of the residual with the present hierarchy when it was new
-  double expected_waste = 0.; ///< iterations that another solve with it would take beyond those of a new one
+  double fresh_rate = 0.;     ///< iterations per e-fold of the residual when the present hierarchy was new
+  double expected_waste = 0.; ///< iterations that the next solve takes more with this hierarchy than with a new one
 
   bool affords_direct() const
   {
@@ -142,13 +145,13 @@ struct LinearSolver::Implementation
             matrix->getGlobalNumRows() < always_direct_below);
   }
 
-  /// Not where a new one is cheaper: where soil yields, a hierarchy wears out within one Newton iteration.
+  /// False if a new hierarchy is cheaper: where soil yields, a hierarchy is outdated after one Newton iteration.
   bool keeps_hierarchy() const
   {
     return !hierarchy.is_null() && parameters.reuse && !strong_hierarchy && expected_waste < worth_a_rebuild;
   }
 
-  /// False where MueLu finds no hierarchy.
+  /// Returns false if MueLu finds no hierarchy.
   bool build_hierarchy(const bool strong)
   {
     if (near)
@@ -162,7 +165,7 @@ struct LinearSolver::Implementation
     {
       hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
     }
-    catch (const std::exception&) // MueLu's way of saying so
+    catch (const std::exception&) // MueLu throws if it finds none
     {
     }
     strong_hierarchy = strong;
@@ -185,6 +188,7 @@ struct LinearSolver::Implementation
     Tpetra::deep_copy(x, *solutions.getVector(0));
     if (n == 0 || !report.converged)
       return report;
+    // The border's unknowns follow from a small dense system.
     Eigen::MatrixXd reduced = border.corner;
     for (std::size_t i = 0; i < n; ++i)
       reduced.col(i) -= multiply_rows(border, *solutions.getVector(i + 1));
@@ -221,11 +225,11 @@ struct LinearSolver::Implementation
     {
       report.converged = solver.solve() == Belos::Converged && std::isfinite(x.norm2());
     }
-    catch (const Belos::BelosError&) // what a preconditioner that yields NaN leads to
+    catch (const Belos::BelosError&) // the preconditioner has returned NaN
     {
       report.converged = false;
     }
-    catch (const std::runtime_error&) // KLU2 on the coarsest level: it is singular there already
+    catch (const std::runtime_error&) // from KLU2: the matrix of the coarsest level is singular
     {
       report.converged = false;
     }
@@ -233,13 +237,14 @@ struct LinearSolver::Implementation
     return report;
   }
 
-  /// With the present hierarchy, then a fresh one, then one with a stronger smoother.
+  /// Tries the present hierarchy, then a new one, then one with a stronger smoother.
   LinearReport solve_iteratively(const TpetraVector& b, TpetraVector& x, const double tolerance)
   {
     const unsigned int limit = parameters.max_linear_iterations;
     LinearReport report;
     unsigned int iterations = 0;
     const double e_folds = -std::log(tolerance);
+    // The present hierarchy gets only as many iterations as are cheaper than a new one.
     if (keeps_hierarchy())
     {
       const double when_new = fresh_rate * e_folds;
@@ -281,7 +286,7 @@ void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
   implementation->near_null_space = near_null_space;
   implementation->hierarchy = Teuchos::null;
   implementation->near.reset();
-  const int here = !places.position.empty(); // a rank may own no node
+  const int here = !places.position.empty(); // a rank may own no nodes
   int anywhere = 0;
   Teuchos::reduceAll(*matrix->getComm(), Teuchos::REDUCE_MAX, 1, &here, &anywhere);
   if (anywhere && !implementation->prefers_direct())
@@ -309,7 +314,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
   {
     const ScaledFactors corner(border.corner);
     y = Eigen::VectorXd::Zero(border_right_side.size());
-    if (!corner.is_regular()) // a body that nothing holds
+    if (!corner.is_regular()) // nothing holds a body
       return report;
     TpetraVector reduced(right_side, Teuchos::Copy);
     add_columns(border, -1., corner.solve(border_right_side), reduced);
@@ -348,7 +353,7 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, con
   {
     return solver.solve() == Belos::Converged && std::isfinite(x.norm2());
   }
-  catch (const Belos::BelosError&) // the matrix is not positive definite to round-off
+  catch (const Belos::BelosError&) // because of round-off the matrix is not positive definite
   {
     return false;
   }
@@ -362,7 +367,7 @@ Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const T
   auto modes = Teuchos::rcp(new TpetraMultiVector(map, dim + n_rotations, true));
   auto view = modes->getLocalViewHost(Tpetra::Access::OverwriteAll);
   const std::size_t n_nodes = position.size() / dim;
-  std::array<double, 4> mine{{0., 0., 0., double(n_nodes)}}, sums; // one centre for all ranks, or they rotate apart
+  std::array<double, 4> mine{{0., 0., 0., double(n_nodes)}}, sums; // all ranks must rotate about one centre
   for (std::size_t i = 0; i < position.size(); ++i)
     mine[i % dim] += position[i];
   Teuchos::reduceAll(*map->getComm(), Teuchos::REDUCE_SUM, 4, mine.data(), sums.data());

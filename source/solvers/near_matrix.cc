@@ -8,16 +8,16 @@ namespace
 {
 using LocalMatrix = TpetraMatrix::local_matrix_device_type;
 
-/// Both tried on a plate pulled through cohesionless sand: there a third of the Krylov iterations of 0.5 and 0, and no
-/// more than with the full matrix.
+/// Both were found by trial on a plate pulled through cohesionless sand. With them GMRES needs a third of the
+/// iterations that it needs with 0.5 and 0, and no more than with the full matrix.
 constexpr double tolerated_loss = 0.05, reinforcement = 0.3;
 
-/// Least diagonal, as a share of the row's other entries. Soil that flows by a non-associated rule has rows with less,
-/// even with negative diagonals, on which Gauss-Seidel diverges; the exact inverse of the near matrix is as good a
-/// preconditioner with the guard as without.
+/// Least diagonal, as a share of the other entries of the row. Soil with a non-associated flow rule has rows with
+/// smaller and even negative diagonals, and Gauss-Seidel diverges on them. The bound does no harm: the exact inverse of
+/// the near matrix is an equally good preconditioner with and without it.
 constexpr double least_diagonal = 0.1;
 
-/// Places of the nodes of all columns, block_size + 1 numbers each: position and spacing.
+/// Position and spacing of the nodes of all columns, block_size + 1 numbers per node.
 std::vector<double> spread_places(const TpetraMatrix& matrix, const unsigned int block_size, const NodePlaces& places)
 {
   const unsigned int width = block_size + 1;
@@ -44,7 +44,7 @@ std::vector<double> spread_places(const TpetraMatrix& matrix, const unsigned int
   return result;
 }
 
-/// No farther apart than the larger of the cells at the two nodes, along every axis.
+/// Whether two nodes are at most one cell apart along every axis. The larger of the cells at both nodes counts.
 bool are_near(const double* a, const double* b, const unsigned int dim)
 {
   const double reach = 1.001 * std::max(a[dim], b[dim]);
@@ -63,6 +63,7 @@ NearMatrix::NearMatrix(const Teuchos::RCP<const TpetraMatrix>& matrix, const uns
   const auto graph = full->getLocalMatrixHost().graph;
   const std::size_t n_rows = graph.numRows(), width = block_size + 1;
 
+  // Near entries keep their column. Far ones are marked first, because the diagonal of their row may come later.
   LocalMatrix::row_map_type::non_const_type begin("near rows", n_rows + 1);
   LocalMatrix::index_type::non_const_type column("near columns", graph.entries.extent(0));
   target = View<unsigned int*>("targets", graph.entries.extent(0));
@@ -112,6 +113,7 @@ void NearMatrix::update()
       "near matrix", Kokkos::RangePolicy<ExecutionSpace>(0, from.numRows()), KOKKOS_LAMBDA(const std::size_t row) {
         for (std::size_t k = to.graph.row_map(row); k < to.graph.row_map(row + 1); ++k)
           to.values(k) = 0.;
+        // Would the far entries weaken the diagonal entry too much?
         double diagonal = 0., far = 0.;
         const auto is_far = [&](const std::size_t k) { return from.graph.entries(k) != to.graph.entries(where(k)); };
         const auto goes_to_diagonal = [&](const std::size_t k)
@@ -126,6 +128,7 @@ void NearMatrix::update()
           else if (goes_to_diagonal(k))
             to.values(where(k)) += reinforcement * Kokkos::Experimental::fabs(from.values(k));
 
+        // Bound the diagonal entry from below.
         std::size_t at_diagonal = to.graph.row_map(row);
         double others = 0.;
         for (std::size_t k = to.graph.row_map(row); k < to.graph.row_map(row + 1); ++k)

@@ -10,18 +10,18 @@ constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 8;
 constexpr double slack = 0.7;           // share of the work along a step that may remain
-constexpr double growth_limit = 10.;    // of the residual in a step accepted for its work
+constexpr double growth_limit = 10.;    // of the residual in a step that is accepted for its work
 constexpr unsigned int patience = 3;    // iterations without progress that count as a cycle
-constexpr unsigned int stagnation = 24; // such iterations, at least, before shorter load steps count as cheaper
-constexpr double progress = 0.9;        // the lowest residual falls at least by this factor, or nothing is gained
-constexpr double hopeless = 1e8;        // growth of the residual over its start that no further iteration repairs
+constexpr unsigned int stagnation = 24; // least number of iterations without progress before the load step is cut
+constexpr double progress = 0.9;        // an iteration makes progress if it lowers the lowest residual by this factor
+constexpr double hopeless = 1e8;        // growth of the residual since the start after which iterating is useless
 
-/// Of the damping: set where a full step has failed, and taken back after full steps, faster where most work remains.
-constexpr double most_damping = 0.1, first_damping = 0.03, least_damping = 1e-5;
-constexpr double least_damped_step = 0.05; // a damped direction that allows no more is given up
+/// Limits and factors of the damping. It is raised after a failed full step and lowered after full steps, faster if
+/// most of the work remains. A damped direction that allows only steps below `least_damped_step` is given up.
+constexpr double most_damping = 0.1, first_damping = 0.03, least_damping = 1e-5, least_damped_step = 0.05;
 constexpr double damping_raise = 10., damping_ease = 0.6, damping_drop = 0.3;
 
-/// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, and no tighter than what the target needs.
+/// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, but no tighter than the target requires.
 double choose_linear_tolerance(const std::vector<double>& residuals, const double previous, const double target)
 {
   const double now = residuals.back();
@@ -33,13 +33,13 @@ double choose_linear_tolerance(const std::vector<double>& residuals, const doubl
     if (const double safeguard = 0.9 * previous * previous; safeguard > 0.1)
       tolerance = std::max(tolerance, safeguard);
   }
-  // Overshooting the target is wasted work; a tenth of it leaves room for the nonlinear part.
+  // A residual far below the target is wasted work. A tenth of the target leaves room for the nonlinear part.
   tolerance = std::max(tolerance, 0.1 * target / now);
   return std::clamp(tolerance, tightest, loosest);
 }
 
-/// x - step dx: its residual, and the work of the residual along dx.
-struct TrialStep
+/// A point x - step dx of a line search: the measure of its residual, and the work of the residual along dx.
+struct SearchPoint
 {
   double step, measure, work;
 };
@@ -49,10 +49,10 @@ double raise_damping(const double damping)
   return std::min(most_damping, std::max(first_damping, damping_raise * damping));
 }
 
-/// Damping for the next iteration. Where much yields, a tangent is so soft that its full step overshoots by far: a
-/// little of the stiffness without yielding shortens the step just there, where a line search shortens it everywhere.
-/// But only undamped, the direction is sure to lower the residual norm.
-double adapt_damping(const double damping, const TrialStep& start, const TrialStep& taken)
+/// Damping for the next iteration. Where many points yield, full steps overshoot. Some elastic stiffness shortens the
+/// step there; a line search would shorten it everywhere. Only the undamped direction is guaranteed to reduce the
+/// residual.
+double adapt_damping(const double damping, const SearchPoint& start, const SearchPoint& taken)
 {
   if (damping > 0. && taken.step < least_damped_step)
     return 0.;
@@ -60,19 +60,20 @@ double adapt_damping(const double damping, const TrialStep& start, const TrialSt
     return raise_damping(damping);
   const double work = taken.work / start.work;
   const double factor = work > 0.5 ? damping_drop : work > 0. ? damping_ease : 1.;
-  const double eased = damping * std::min(factor, taken.measure / start.measure); // the last steps are quadratic
+  const double eased = damping * std::min(factor, taken.measure / start.measure); // keeps the last steps quadratic
   return eased < least_damping ? 0. : eased;
 }
 
-/// Seeks a step at which the work of the residual along it has vanished but for a share (Matthies & Strang 1979, Int.
-/// J. Numer. Meth. Eng. 14), from a full step that overshoots: regula falsi between `start` and `full`. Where contacts
-/// close or soil yields on the way, the residual norm would only fall for tiny steps; the step at which they have taken
-/// over the load lets the next tangent know of them.
-template <typename Evaluate> TrialStep search_line(const Evaluate& at, const TrialStep& full, const TrialStep& start)
+/// Shortens a full step that overshoots: finds by regula falsi, between `start` and `full`, a step at which only a
+/// share of the work of the residual remains (Matthies & Strang 1979, Int. J. Numer. Meth. Eng. 14). The residual norm
+/// is no good measure here: where contacts close or soil yields within the step, it falls for tiny steps only. The step
+/// that is found goes far enough for these contacts and points to take up load, so the next tangent contains them.
+template <typename Evaluate>
+SearchPoint search_line(const Evaluate& at, const SearchPoint& full, const SearchPoint& start)
 {
-  const auto accepted = [&](const TrialStep& trial)
+  const auto accepted = [&](const SearchPoint& trial)
   { return std::abs(trial.work) <= slack * std::abs(start.work) && trial.measure < growth_limit * start.measure; };
-  TrialStep now = full, low = start, high = full, best = full;
+  SearchPoint now = full, low = start, high = full, best = full;
   for (unsigned int trial = 0; trial < max_trials && !accepted(now); ++trial)
   {
     const double share = low.work / (low.work - high.work);
@@ -88,11 +89,11 @@ template <typename Evaluate> TrialStep search_line(const Evaluate& at, const Tri
   return accepted(now) || now.step == best.step ? now : at(best.step);
 }
 
-/// For iterates that go round in a circle, as a few points that stick and slip or yield in turns make them: the best of
-/// ever shorter steps. The residual norm falls for short ones, and the kinks are met one by one.
-template <typename Evaluate> TrialStep shorten_step(const Evaluate& at, const TrialStep& full, const double measure)
+/// Breaks a cycle of iterates, which a few points cause that stick and slip, or yield, in turns. Takes the best of ever
+/// shorter steps: the residual norm falls for short ones, which pass the kinks one by one.
+template <typename Evaluate> SearchPoint shorten_step(const Evaluate& at, const SearchPoint& full, const double measure)
 {
-  TrialStep now = full, best = full;
+  SearchPoint now = full, best = full;
   for (unsigned int trial = 0; trial < max_trials && !(best.measure < measure && now.measure >= best.measure); ++trial)
   {
     now = at(0.5 * now.step);
@@ -102,10 +103,11 @@ template <typename Evaluate> TrialStep shorten_step(const Evaluate& at, const Tr
   return now.step == best.step ? now : at(best.step);
 }
 
-/// Where the tangent is so unsymmetric that work says nothing: the longest step without a new highest residual.
-template <typename Evaluate> TrialStep halve_step(const Evaluate& at, const TrialStep& full, const double highest)
+/// Serves when the tangent is so unsymmetric that the work says nothing: takes the longest step without a new highest
+/// residual.
+template <typename Evaluate> SearchPoint halve_step(const Evaluate& at, const SearchPoint& full, const double highest)
 {
-  TrialStep now = full;
+  SearchPoint now = full;
   for (unsigned int trial = 0; trial < max_trials && !(now.measure <= highest); ++trial)
     now = at(0.5 * now.step);
   return now;
@@ -123,6 +125,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   const unsigned int give_up_after = std::max(stagnation, parameters.max_newton_iterations / 2);
   while (!(measure < parameters.tolerance))
   {
+    // Stop if iterating cannot help or takes longer than two shorter load steps.
     if (!std::isfinite(measure))
     {
       report.failure = "the residual is not finite";
@@ -144,12 +147,13 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return report;
     }
 
+    // The direction. A system that is too soft for the linear solver is damped and solved again.
     linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, parameters.tolerance);
     const LinearReport linear = problem.solve(x, residual, dx, {linear_tolerance, damping});
     ++report.iterations;
     report.krylov_iterations += linear.iterations;
     report.escalations += linear.escalations;
-    if (!linear.converged && damping < most_damping) // too soft a system for the linear solver
+    if (!linear.converged && damping < most_damping)
     {
       damping = raise_damping(damping);
       continue;
@@ -160,22 +164,24 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       return report;
     }
 
+    // The step: a full one, or the result of the search that fits the situation.
     const double work = dx.dot(residual);
     const auto at = [&](const double step)
     {
       trial.update(1., x, -step, dx, 0.);
       const double trial_measure = problem.residual(trial, trial_residual);
-      return TrialStep{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
+      return SearchPoint{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
     };
     const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
-    // a few at a time: many in a row crawl from kink to kink
+    // Shortened steps come a few at a time; many in a row crawl from kink to kink.
     const bool shortens = without_progress / patience % 2 == 1;
-    TrialStep step = at(1.);
+    SearchPoint step = at(1.);
     if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
       step = shortens    ? shorten_step(at, step, measure)
              : work > 0. ? search_line(at, step, {0., measure, work})
                          : halve_step(at, step, highest);
     damping = adapt_damping(damping, {0., measure, work}, step);
+    // The last point at which the search evaluated the residual is the one that it returns.
     measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);

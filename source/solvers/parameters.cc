@@ -11,23 +11,25 @@ Section<SolverParameters> solver_section()
   Section<P> section("Newton iterations, linear solver and ghost stabilisation");
   section.required(
       "tolerance", &P::tolerance, number("-", positive().below(1.)),
-      "Norm of the residual on the free degrees of freedom, over the norm of the nodal weights of the soil "
-      "(rigid degrees of freedom: over the weight of all bodies), at which a step has converged");
-  section.required(
-      "max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
-      "Newton iterations before a step is cut to half; sooner where half of them, but no fewer than 24, gain nothing");
+      "A step has converged when the norm of the residual on the free degrees of freedom falls below this times the "
+      "norm of the nodal weights of the soil (rigid degrees of freedom: the weight of all bodies)");
+  section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
+                   "Newton iterations before a step is cut to half; it is cut sooner if half of them, but at least 24, "
+                   "in a row make "
+                   "no progress");
   section.optional("max linear iterations", &P::max_linear_iterations, count(Bounds().at_least(1)),
                    "Krylov iterations per Newton iteration before the linear solver escalates");
   section.required("poor factor", &P::poor_factor, number("-", not_negative().at_most(1.)),
-                   "Cells filled below this share of their volume count as boundary cells; 0: none does");
+                   "Cells filled below this share of their volume count as boundary cells; 0: no cell does");
   section.required(
       "ghost factor", &P::ghost_factor, number("1/m2", not_negative()),
       "Scale of the ghost stabilisation of the stiffness; its strength is this times the square of the cell "
-      "size, of which 0.03 to 1 bounds the condition number and less may do; 0: none");
+      "size: 0.03 to 1 bounds the condition number, less may suffice; 0: none");
   section.required("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
                    "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");
-  section.optional("line search", &P::line_search, on_off(),
-                   "Line search along each Newton correction, and damped tangents after one that had to be shortened");
+  section.optional(
+      "line search", &P::line_search, on_off(),
+      "Line search along each Newton correction, and damped tangents after a correction that was shortened");
   section.optional("linear solver", &P::linear_solver,
                    choice<LinearSolverChoice>({{"auto", LinearSolverChoice::automatic},
                                                {"iterative", LinearSolverChoice::iterative},

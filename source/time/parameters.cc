@@ -17,7 +17,7 @@ void check_step(const SteppingParameters& stepping, const Place& place)
 {
   if (stepping.type == StageType::dynamic && stepping.dt == 0.)
     place.key("dt").fail("expected a number above 0 (s), found \"auto\"",
-                         "give the time step; only explicit stages find it themselves");
+                         "give the time step; only explicit stages can determine it");
   if (stepping.type != StageType::static_ && stepping.dt > stepping.final_time * (1. + 1e-12))
     place.key("dt").fail("the time step " + shown(stepping.dt) + " s is longer than the stage",
                          "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");
@@ -51,9 +51,10 @@ double step_length(const SteppingParameters& stepping)
       return 1. / stepping.load_steps;
     case StageType::dynamic:
       return stepping.dt;
-    default:
-      return stepping.basis_step > 0. ? stepping.basis_step : 0.01 * stepping.final_time;
+    case StageType::explicit_:
+      break;
   }
+  return stepping.basis_step > 0. ? stepping.basis_step : 0.01 * stepping.final_time;
 }
 
 Section<SteppingParameters> stepping_section()
@@ -74,24 +75,27 @@ Section<SteppingParameters> stepping_section()
                 "Time step; \"auto\", in explicit stages: from the stability limit")
       .only_for("type", in_time);
   section
-      .optional("basis step", &P::basis_step, number_or("auto", 0., number("s", positive())),
-                "Time for which the overlap of material points and cells is kept, many time steps long: what a body's "
-                "\"prescribed\" motion refers to and outputs count; \"auto\": a hundredth of the stage")
+      .optional(
+          "basis step", &P::basis_step, number_or("auto", 0., number("s", positive())),
+          "Time, many time steps long, for which the overlap of material points and cells is kept; it is the step of "
+          "a body's \"prescribed\" motion and of the outputs; \"auto\": a hundredth of the stage")
       .only_for("type", {"explicit"});
   section.required("final time", &P::final_time, number("s", positive()), "Duration of the stage")
       .only_for("type", in_time);
   section
-      .required("beta", &P::beta, number("-", positive()),
-                "Newmark's beta; (gamma + 1/2)^2 / 4 lets stiff joints and contacts come to rest, where less than that "
-                "lets their forces swing from step to step")
+      .required(
+          "beta", &P::beta, number("-", positive()),
+          "Newmark's beta; with (gamma + 1/2)^2 / 4 stiff joints and contacts come to rest, with less their forces "
+          "swing from step to step")
       .only_for("type", {"dynamic"});
   section
       .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
-                "Newmark's gamma; above 0.5 it damps, below it would feed energy")
+                "Newmark's gamma; values above 0.5 damp, values below would add energy")
       .only_for("type", {"dynamic"});
   section
       .optional("mass", &P::lumped_mass, choice<bool>({{"consistent", false}, {"lumped", true}}),
-                "Mass matrix of the soil: couples the nodes that a material point sees, or its row sums at each node")
+                "Mass matrix of the soil: it couples the nodes that a material point sees, or has its row sums on the "
+                "diagonal")
       .only_for("type", {"dynamic"});
   section
       .optional("cfl", &P::cfl, number("-", positive().at_most(1.)), "Share of the stability limit taken as the step")

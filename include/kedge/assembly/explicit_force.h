@@ -5,34 +5,35 @@
 
 namespace kedge
 {
-/// Where the particles are on their way through a step: the stress follows the path, not the increment of the whole.
-/// The laws' state variables follow it in the particles' trial state.
+/// State of the particles within a step of many small increments. The stress follows these one by one; it does not
+/// depend on the increment of the whole step alone. The laws' state variables are kept in the particles' trial state.
 struct ParticlePath
 {
-  View<double* [6]> left_cauchy_green;   ///< elastic, exp(2 eps_e)
-  View<double* [9]> inverse_deformation; ///< inverse of dF since the start of the step, of F-bar where it is on
+  View<double* [6]> left_cauchy_green; ///< elastic, exp(2 eps_e)
+  View<double* [9]>
+      inverse_deformation; ///< inverse of dF since the start of the step; with F-bar that of the stretched dF
 };
 
-/// At the committed state, which becomes the trial state.
+/// Starts a path at the committed state and copies this state to the trial state.
 ParticlePath begin_path(const ParticleArrays& particles);
 
-/// Follows every particle to the nodal increments since the start of the step (m), writes its trial state and adds its
-/// internal force (N) to `force`, as update_stress_and_force does. The plastic increments add up until the next path
-/// begins. Returns the number of particles of this rank whose increment is not admissible; their force is left out.
+/// Moves every particle to the given nodal increments since the start of the step (m), writes its trial state and adds
+/// its internal force (N) to `force`, as update_stress_and_force does. The plastic increments of a path add up. Returns
+/// the number of particles of this rank whose increment is not admissible; they add no force.
 template <int dim>
 unsigned long advance_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                        const Materials& materials, const NodalVector& increment,
                                        const ParticlePath& path, const NodalVector& force,
                                        const CellGroups& cells = {});
 
-/// Adds m max(S_v, least share) to every node's mass (kg, one per local node); nodes with S_v = 0 get nothing.
+/// Adds m max(S_v, least share) to the mass (kg) of every local node v with S_v > 0.
 void add_lumped_mass(const ParticleArrays& particles, const StencilSet& stencils, double least_share,
                      const View<double*>& mass);
 
-/// Upper bound of the squared circular frequencies (1/s2) of this rank's soil with that mass: the largest of any
-/// particle alone, since no system is faster than its fastest part (Irons & Treharne 1971). A particle with its share m
-/// S_v of the mass has one of at most V/m times the largest eigenvalue of the elasticity, 3 bulk or 2 shear, times that
-/// of the sum over nodes of grad S_v (x) grad S_v / S_v.
+/// Upper bound of the squared circular frequencies (1/s2) of this rank's soil with that mass. No system is faster than
+/// its fastest part (Irons & Treharne 1971), so the bound is the largest one of any single particle. A particle with
+/// the nodal masses m S_v is bounded by V/m times two largest eigenvalues: that of the elasticity (3 bulk or 2 shear)
+/// and that of the sum over nodes of grad S_v (x) grad S_v / S_v.
 double largest_squared_frequency(const ParticleArrays& particles, const StencilSet& stencils,
                                  const Materials& materials, double least_share);
 } // namespace kedge

@@ -1,4 +1,4 @@
-// Ghost stabilisation: jumps of the normal derivative across faces near the soil's boundary are made expensive.
+// Ghost stabilisation: penalises jumps of the normal derivative across faces near the boundary of the soil.
 #pragma once
 
 #include <kedge/assembly/node_graph.h>
@@ -6,8 +6,11 @@
 
 namespace kedge
 {
-/// Adds weight J d, for every component of the nodal vector d, to `force`; `weight` holds one number per face, the
-/// faces' stiffness for increments (m) or their mass for accelerations (m/s2).
+/// Mass of pairs of nodes (kg), one number per entry of graph.column; it is the same for every component.
+using NodalMass = View<double*>;
+
+/// Adds weight J d to `force` for every component of the nodal vector d. `weight` holds one number per face: the faces'
+/// stiffness if d are increments (m), their mass if d are accelerations (m/s2).
 template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
                      const View<double*>& force);
@@ -16,4 +19,7 @@ void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const
 template <int dim>
 void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, const NodeGraph& graph,
                       const View<double*>& values);
+
+/// Adds the ghost mass of the faces. It does not change the total mass (Coombs 2023, doi 10.1002/nme.7332).
+void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass);
 } // namespace kedge

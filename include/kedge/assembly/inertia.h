@@ -1,22 +1,15 @@
-// Inertia of the soil on the nodes: masses, projection of the particles' motion, Newmark's forces.
+// Inertia of the soil at the nodes: masses, projection of the particles' motion, Newmark's forces.
 #pragma once
 
+#include <kedge/assembly/ghost.h>
 #include <kedge/assembly/system.h>
-#include <kedge/basis/ghost_faces.h>
 #include <kedge/time/newmark.h>
 
 namespace kedge
 {
-/// Mass of pairs of nodes (kg), one number per entry of graph.column; it holds for every component.
-using NodalMass = View<double*>;
-
-/// Adds M_ab = sum over particles of m S_a S_b, or, lumped, its row sums on the diagonal.
+/// Adds M_ab = sum over particles of m S_a S_b. `lumped`: adds its row sums to the diagonal instead.
 void add_particle_mass(const ParticleArrays& particles, const StencilSet& stencils, bool lumped, const NodeGraph& graph,
                        const NodalMass& mass);
-
-/// Adds the ghost mass of the faces, which adds nothing to the mass of the body as a whole (Coombs 2023,
-/// doi 10.1002/nme.7332).
-void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass);
 
 /// Adds factor * M x to `result`; `x` and `result` have dim entries per local node.
 void add_mass_times(const NodeGraph& graph, const NodalMass& mass, double factor, const NodalVector& x,
@@ -25,7 +18,7 @@ void add_mass_times(const NodeGraph& graph, const NodalMass& mass, double factor
 /// Adds factor * M to the diagonals of the blocks of `values`.
 void add_mass_matrix(const NodeGraph& graph, const NodalMass& mass, double factor, const View<double*>& values);
 
-/// Adds m S_v q to `result` for a quantity q of every particle: its velocity gives the nodal momentum (kg m/s).
+/// Adds m S_v q to `result` for a quantity q of every particle. If q is the velocity, this is the momentum (kg m/s).
 void add_particle_momentum(const ParticleArrays& particles, const StencilSet& stencils,
                            const View<double* [3]>& quantity, const NodalVector& result);
 
@@ -39,20 +32,20 @@ struct NodalMotion
 /// Makes M the matrix of the system. Collective.
 void set_mass_matrix(const NodalMass& mass, System& system);
 
-/// M^-1 b on all local nodes, constrained dofs zero (also in b), while M is the matrix of the system. Throws
-/// SolverError where it cannot be solved. Collective.
+/// M^-1 b on all local nodes. M must be the matrix of the system (set_mass_matrix). Constrained dofs become zero, also
+/// in b. Throws SolverError if the system cannot be solved. Collective.
 NodalVector divide_by_mass(TpetraVector& right_side, const System& system);
 
-/// Projects the particles' velocity and acceleration: M v = sum of m S v_p. Leaves M as the matrix of the system.
-/// Throws SolverError where it cannot be solved. Collective.
+/// Projects the particles' velocity and acceleration: M v = sum of m S v_p. Afterwards M is the matrix of the system.
+/// Throws SolverError if the system cannot be solved. Collective.
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
                            bool lumped, System& system);
 
-/// Adds M a (N), a being Newmark's acceleration for nodal increments (m).
+/// Adds M a (N), where a is Newmark's acceleration for the nodal increments (m).
 void add_inertia_force(const NodeGraph& graph, const NodalMotion& motion, const Newmark& newmark,
                        const NodalVector& increment, const NodalVector& force);
 
-/// FLIP (Brackbill & Ruppel 1986): what the step adds to the particles' velocity, and their new acceleration.
+/// FLIP (Brackbill & Ruppel 1986): change of the particles' velocity in the step, and their new acceleration.
 ParticleMotion particle_motion(const StencilSet& stencils, const NodalMotion& motion, const Newmark& newmark,
                                const NodalVector& increment);
 } // namespace kedge

@@ -11,15 +11,15 @@ namespace kedge
 {
 /// Computes every particle's trial state from the nodal increments (m) and adds its internal force (N) to `force`:
 /// f_v += V0 tau grad_x S_v, grad_x S = dF^-T grad S (Charlton, Coombs & Augarde 2017). Returns the number of particles
-/// of this rank whose increment is not admissible (det dF <= 0); their force is left out. Here and below, `cells` turn
-/// F-bar on: the stress is that of dF stretched to the mean volume change of the cell (volume_average.h).
+/// of this rank whose increment is not admissible (det dF <= 0); they add no force. Here and below, `cells` turn F-bar
+/// on: the stress is then that of dF stretched to the mean volume change of the cell (volume_average.h).
 template <int dim>
 unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                       const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force, const CellGroups& cells = {});
 
-/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`. Yielding
-/// particles get at least `elastic_share` of their elastic moduli on top (Newton's damping).
+/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`. For Newton's
+/// damping, yielding particles get at least `elastic_share` of their elastic moduli in addition.
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                  const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
@@ -33,7 +33,7 @@ void add_weight(const ParticleArrays& particles, const StencilSet& stencils, con
 /// Sum over nodes of S_v x_v at every particle.
 View<double* [3]> interpolate_to_particles(const StencilSet& stencils, const NodalVector& x);
 
-/// Displacement and dF, of F-bar where it is on, of every particle for given nodal increments.
+/// Displacement and dF (with F-bar the stretched dF) of every particle for given nodal increments.
 template <int dim>
 ParticleIncrements interpolate_increments(const ParticleArrays& particles, const StencilSet& stencils,
                                           const NodalVector& increment, const CellGroups& cells = {});

@@ -11,7 +11,7 @@
 
 namespace kedge
 {
-/// Sums that several threads may address; the serial back end needs no atomic.
+/// Adds to a number that several threads may change. The serial back end needs no atomic.
 KEDGE_FUNCTION void add_to(double& target, const double value)
 {
 #ifdef KOKKOS_ENABLE_SERIAL
@@ -40,7 +40,7 @@ KEDGE_FUNCTION ParticleNodes nodes_of(const StencilSet& stencils, const unsigned
           &stencils.value(stencils.value_begin(p))};
 }
 
-/// Entry of a column in its row, which holds it.
+/// Entry of column `node` in a row. The row must hold this column.
 KEDGE_FUNCTION std::size_t find_entry(const View<std::size_t*>& row_begin, const View<unsigned int*>& column,
                                       const unsigned int row, const unsigned int node)
 {
@@ -58,14 +58,12 @@ template <int dim>
 KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils, const View<double*>& increment,
                                                      const unsigned int p)
 {
-  const unsigned int pattern = stencils.pattern_of_particle(p);
-  const unsigned int first = stencils.pattern_node_begin(pattern);
-  const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+  const ParticleNodes at = nodes_of(stencils, p);
   const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
   double f[dim][dim] = {};
-  for (unsigned int v = 0; v < n; ++v)
+  for (unsigned int v = 0; v < at.n; ++v)
   {
-    const std::size_t dof = static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v);
+    const std::size_t dof = static_cast<std::size_t>(dim) * at.node[v];
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
         f[i][j] += increment(dof + i) * gradient[dim * v + j];
@@ -77,8 +75,8 @@ KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils,
   return result;
 }
 
-/// dF with the volume that F-bar gives it: its part in space, or in the plane, times the particle's factor. Without
-/// factors dF as it is.
+/// dF with the volume change of F-bar: the dim x dim part of dF times the factor of the particle. Without factors, dF
+/// does not change.
 template <int dim>
 KEDGE_FUNCTION Eigen::Matrix3d stretch(Eigen::Matrix3d f, const View<double*>& factor, const unsigned int p)
 {
@@ -101,7 +99,7 @@ KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
   return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
 }
 
-/// Row p of a view of symmetric tensors, and its replacement.
+/// Reads row p of a view of symmetric tensors; set_row() writes it.
 KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsigned int p)
 {
   SymmetricTensor s;
@@ -116,25 +114,44 @@ KEDGE_FUNCTION void set_row(const View<double* [6]>& view, const unsigned int p,
     view(p, i) = s[i];
 }
 
-/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa), where tau grad_x S = (tau dF^-T) grad S with the
-/// inverse of dF, `to_start`.
+/// Writes what a law has returned for particle p to its trial state. `plastic_increment` is that since the start of the
+/// step. State variables are there already: laws write them in place.
+KEDGE_FUNCTION void set_trial(const ParticleArrays& particles, const unsigned int p, const StressUpdate& update,
+                              const double plastic_increment)
+{
+  set_row(particles.trial_stress, p, update.stress);
+  set_row(particles.trial_strain, p, update.elastic_strain);
+  particles.trial_plastic(p) = plastic_increment;
+}
+
+/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa): tau grad_x S = (tau dF^-T) grad S. `to_start` is
+/// dF^-1.
 template <int dim>
 KEDGE_FUNCTION void add_internal_force(const ParticleArrays& particles, const StencilSet& stencils,
                                        const unsigned int p, const SymmetricTensor& stress,
                                        const Eigen::Matrix3d& to_start, const View<double*>& force)
 {
   const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * to_start.transpose();
-  const unsigned int pattern = stencils.pattern_of_particle(p);
-  const unsigned int first = stencils.pattern_node_begin(pattern);
-  const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+  const ParticleNodes at = nodes_of(stencils, p);
   const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-  for (unsigned int v = 0; v < n; ++v)
+  for (unsigned int v = 0; v < at.n; ++v)
     for (int c = 0; c < dim; ++c)
     {
       double f = 0.;
       for (int j = 0; j < dim; ++j)
         f += flux(c, j) * gradient[dim * v + j];
-      add_to(force(static_cast<std::size_t>(dim) * stencils.pattern_nodes(first + v) + c), f);
+      add_to(force(static_cast<std::size_t>(dim) * at.node[v] + c), f);
     }
+}
+
+/// Adds m S_v q of particle p to the nodes that it sees; q has dim components.
+KEDGE_FUNCTION void add_weighted_by_mass(const ParticleArrays& particles, const StencilSet& stencils,
+                                         const unsigned int dim, const unsigned int p, const double* q,
+                                         const View<double*>& nodal)
+{
+  const ParticleNodes at = nodes_of(stencils, p);
+  for (unsigned int v = 0; v < at.n; ++v)
+    for (unsigned int c = 0; c < dim; ++c)
+      add_to(nodal(static_cast<std::size_t>(dim) * at.node[v] + c), particles.mass(p) * at.value[v] * q[c]);
 }
 } // namespace kedge

@@ -1,4 +1,4 @@
-// Nodal vectors over the ranks: what each owns, and the ghosts that its particles see.
+// Nodal vectors over the ranks: each rank has the nodes that it owns and the ghosts that its particles see.
 #pragma once
 
 #include <kedge/assembly/node_graph.h>
@@ -11,15 +11,15 @@ using NodalVector = View<double*>;
 class NodalExchange
 {
 public:
-  /// Between owned dofs and the `n_local` ones of all local nodes; no importer: they are the same.
+  /// Exchanges between the owned dofs and the `n_local` dofs of all local nodes. Without an importer both are the same.
   NodalExchange(std::size_t n_local, const Teuchos::RCP<const TpetraMap>& owned,
                 const Teuchos::RCP<const TpetraMap>& local, const Teuchos::RCP<const TpetraImport>& importer);
-  /// Of `dim` dofs per node. Collective.
+  /// The same for `dim` dofs per node of a numbering. Collective.
   NodalExchange(unsigned int dim, const NodeNumbering& numbering);
 
   /// Zeros, one entry per local dof.
   NodalVector make_nodal_vector() const;
-  /// Owned values and those of the ghosts. Collective.
+  /// Owned values, and for ghosts the values of their owners. Collective.
   NodalVector spread(const TpetraVector& owned) const;
   /// Sums the contributions of all ranks to the owned dofs. Collective.
   void collect(const NodalVector& local, TpetraVector& owned) const;

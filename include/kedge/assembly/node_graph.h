@@ -8,8 +8,8 @@
 
 namespace kedge
 {
-/// What assembly must know of the numbering of unknowns: nodes that this rank owns come first, then ghosts grouped by
-/// owner; `global` numbers are contiguous over the ranks.
+/// The numbering of unknowns that assembly needs. Nodes that this rank owns come first, then ghosts grouped by owner.
+/// The numbers in `global` are contiguous over the ranks.
 struct NodeNumbering
 {
   MPI_Comm communicator = MPI_COMM_WORLD;
@@ -18,16 +18,16 @@ struct NodeNumbering
   std::vector<unsigned int> ghost_begin; ///< per rank, plus the end
 };
 
-/// Node lists whose members all couple with each other, in compressed rows of local node numbers.
+/// Lists of local node numbers in compressed rows. The nodes of a list all couple with each other.
 struct NodeLists
 {
   View<unsigned int*> begin, nodes;
 };
 
 /// Rows: owned nodes, then the ghosts of the stencils, whose contributions are sent to their owners. Columns: the same
-/// nodes, then further ghosts that only other ranks' contributions reach. Each entry stands for a dim x dim block; the
-/// values of row r, component i, column position k, component j lie at
-/// dim^2 row_begin[r] + i dim length(r) + dim k + j, so the owned rows form a Tpetra matrix as they are.
+/// nodes, then further ghosts that only other ranks' contributions reach. Each entry stands for a dim x dim block. The
+/// value of row r, component i, column position k, component j lies at
+/// dim^2 row_begin[r] + i dim length(r) + dim k + j. In this layout the owned rows are already a Tpetra matrix.
 struct NodeGraph
 {
   unsigned int dim = 3, n_owned = 0, n_rows = 0, n_columns = 0;
@@ -39,8 +39,8 @@ struct NodeGraph
 
   /// Ghost rows to send: entries [send_begin[r], send_begin[r + 1]) of `column` belong to rank r.
   std::vector<std::size_t> send_begin;
-  /// Where the blocks received from all ranks (in rank order) go: entry of `column`, and the row's length and position
-  /// here and at the sender, which the layout of the values asks for.
+  /// Destination of each block received, in rank order: begin of its row in `column`, and the length of the row and the
+  /// position in it, both here and at the sender. The layout of the values needs these.
   struct Target
   {
     std::size_t row_begin, sender_offset;
@@ -52,11 +52,11 @@ struct NodeGraph
   std::size_t n_values() const { return static_cast<std::size_t>(dim) * dim * column.extent(0); }
 };
 
-/// One dof per node and component of the first `n` nodes, by their global numbers; the order of components within a
-/// node is the axes'. Collective.
+/// Map of the dofs of the first `n` nodes, by the nodes' global numbers. The dofs of a node follow the order of the
+/// axes. Collective.
 Teuchos::RCP<const TpetraMap> make_dof_map(unsigned int dim, const std::vector<long long>& node, std::size_t n);
 
-/// Collective.
+/// Couples the nodes of all ranks' lists. Collective.
 NodeGraph build_node_graph(unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings);
 
 /// Adds the ghost rows of `values` (laid out as the graph says) to the rows of their owners. Collective.

@@ -16,12 +16,12 @@ public:
 
   const NodeGraph& graph() const { return node_graph; }
   const Teuchos::RCP<TpetraMatrix>& matrix() const { return owned_matrix; }
-  /// Values of all rows, laid out by graph(): what the kernels add to.
+  /// Values of all rows, laid out by graph(). Kernels add to them.
   const View<double*>& values() const { return all_values; }
   /// A zero vector with dim entries per local node.
   NodalVector make_nodal_vector() const { return exchange.make_nodal_vector(); }
 
-  /// Owned values and those of the ghosts. Collective.
+  /// Owned values, and for ghosts the values of their owners. Collective.
   NodalVector spread(const TpetraVector& owned) const { return exchange.spread(owned); }
   /// Sums the contributions of all ranks to the owned dofs. Collective.
   void collect(const NodalVector& local, TpetraVector& owned) const { exchange.collect(local, owned); }
@@ -29,7 +29,7 @@ public:
   void zero_constrained(TpetraVector& owned) const;
 
   void clear_matrix();
-  /// Adds ghost rows to their owners' and turns constrained rows and columns into scaled identities. Collective.
+  /// Adds ghost rows to the rows of their owners. Constrained rows and columns become a scaled identity. Collective.
   void finish_matrix();
 
 private:
@@ -41,7 +41,7 @@ private:
   View<unsigned char*> constrained_column; ///< per column dof
 };
 
-/// Adds the point forces with a sign to a nodal vector: f_v += sign * weight * force.
+/// Adds sign * weight * force of every point to the nodal vector `force`.
 void add_point_forces(unsigned int dim, const PointForces& points, double sign, const NodalVector& force);
 
 /// Adds sign * weight_a weight_b tangent to the blocks (a, b) of every point.

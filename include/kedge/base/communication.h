@@ -1,4 +1,4 @@
-// The few MPI patterns that the rooms share.
+// The few patterns of communication (MPI) that the rooms share.
 #pragma once
 
 #include <mpi.h>
@@ -81,7 +81,7 @@ std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector
   return from_rank;
 }
 
-/// What every rank contributes, one after the other. Collective; T must be trivially copyable.
+/// Joins the contributions of all ranks, in their order, on every rank. Collective; T must be trivially copyable.
 template <typename T> std::vector<T> gather_everywhere(const std::vector<T>& mine, const MPI_Comm communicator)
 {
   const std::vector<std::vector<T>> from_rank =

@@ -1,4 +1,4 @@
-// Errors with a name that carry their numbers. main() turns each into an exit code and a message.
+// Errors by cause, with the data that belongs to them. main() turns each into an exit code and a message.
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
-// Execution and memory spaces and the device macro. This header and tpetra.h are the only places
-// that differ between a CPU and a GPU build.
+// Execution and memory spaces, device arrays and the device macro: Kokkos' default back end decides between CPU and
+// GPU.
 #pragma once
 
 #include <Kokkos_Core.hpp>
@@ -13,10 +13,10 @@ namespace kedge
 using ExecutionSpace = Kokkos::DefaultExecutionSpace;
 using MemorySpace = ExecutionSpace::memory_space;
 
-/// Array on the device; host code reaches it through HostView mirrors.
+/// Array on the device. Host code accesses it through HostView mirrors.
 template <typename T> using View = Kokkos::View<T, MemorySpace>;
 
-/// Mirror of View in host memory; the same storage where the device is the host.
+/// Mirror of View in host memory. If the device is the host, both share their storage.
 template <typename T> using HostView = typename View<T>::HostMirror;
 
 /// Copies between host vectors and device arrays.

@@ -1,4 +1,4 @@
-// The only file that prints, logs or times.
+// Text for the terminal: lines, warnings and the progress of a run; wall time per phase; memory.
 #pragma once
 
 #include <chrono>
@@ -8,30 +8,30 @@
 
 namespace kedge
 {
-/// What the progress line shows.
-struct Progress
+/// The numbers of the progress line.
+struct ProgressLine
 {
   unsigned int stage = 1, n_stages = 1;
   double time = 0., end = 1.; ///< load fraction in a static stage, s otherwise
   unsigned int step = 0;
   double increment = 0.;
   bool is_explicit = false;
-  unsigned int iterations = 0; ///< Newton's, or time steps of an explicit stage
+  unsigned int iterations = 0; ///< Newton iterations; in an explicit stage, time steps
   unsigned int krylov_iterations = 0, cuts = 0;
   long long deleted = 0, particles = 0;
 };
 
-/// Writes to the terminal from one rank: the progress line is redrawn in place on a terminal and appears once per whole
-/// percent of a stage in a log file.
+/// Writes to the terminal from one rank. A terminal redraws the progress line in place; a log file gets a new one per
+/// whole percent of a stage.
 class Report
 {
 public:
-  /// `speak`: this rank prints; `quiet`: only warnings and errors.
+  /// `speak`: this rank prints; `quiet`: it prints warnings only.
   Report(bool speak, bool quiet);
 
   void line(const std::string& text);
   void warn(const std::string& text);
-  void progress(const Progress& state);
+  void progress(const ProgressLine& shown);
   /// Ends the progress line; call before leaving a stage.
   void end_progress();
 
@@ -42,13 +42,13 @@ private:
   bool line_open = false;
   int last_percent = -1;
   unsigned int last_stage = 0;
-  std::chrono::steady_clock::time_point first_seen; ///< of the present stage
-  double first_fraction = 0.;                       ///< of the stage that was done then
+  std::chrono::steady_clock::time_point first_seen; ///< when the present stage first reported
+  double first_fraction = 0.;                       ///< how much of the stage was done then
   std::vector<std::string> given_warnings;
 };
 
 /// The text of the progress line without the time left.
-std::string format_progress(const Progress& state);
+std::string format_progress(const ProgressLine& shown);
 
 /// Wall time per named phase, in s.
 class Timings

@@ -1,7 +1,7 @@
-// Plane strain is in the plane y = 0 of the world, where bodies live: the one place that knows its axes.
+// The axes of plane strain, which lies in the plane y = 0 of the three-dimensional world of the bodies.
 //
-// In 2-D the analysis has the axes x and z. Stored vectors and tensors have three axes all the same, in the order x, z
-// and y, the direction out of the plane.
+// In 2-D the analysis has the axes x and z. Stored vectors and tensors still have three axes, in the order x, z and y,
+// where y is the direction out of the plane.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// Which nodes carry unknowns, and how they are numbered over the ranks.
+// The nodes that carry unknowns, and their numbers over the ranks.
 #pragma once
 
 #include <kedge/mesh/leaf_table.h>
@@ -7,8 +7,8 @@
 
 namespace kedge
 {
-/// Active nodes of a rank: first those that it owns, then ghosts (seen by its particles, owned elsewhere), grouped by
-/// owner.
+/// Active nodes of a rank: first the nodes that it owns, then ghosts, grouped by owner. A ghost is seen by this rank's
+/// particles but owned by another rank.
 struct ActiveNodes
 {
   static constexpr unsigned int inactive = ~0u;
@@ -24,8 +24,8 @@ struct ActiveNodes
   unsigned int n_local() const { return global.size(); }
 };
 
-/// Numbers the nodes that any rank marks. `used[node]` is nonzero where this rank's stencils use a node of the table.
-/// Collective.
+/// Numbers the nodes that at least one rank uses. `used[node]` is nonzero if this rank's stencils use that node of the
+/// table. Collective.
 template <int dim>
 ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used,
                                 MPI_Comm communicator);

@@ -1,4 +1,4 @@
-// Which faces need ghost stabilisation, and their matrices.
+// The faces that need ghost stabilisation, and their matrices.
 #pragma once
 
 #include <kedge/base/kokkos.h>
@@ -8,9 +8,9 @@
 
 namespace kedge
 {
-/// Stabilised faces of a rank, nodes as local numbers of the leaf table. Face f has the nodes
-/// nodes[node_begin[f] .. node_begin[f + 1]) and the symmetric matrix J (m3; 2-D: m2) at value[value_begin[f]], which
-/// stiffness and mass share: stiffness[f] J acts on increments (N/m), mass[f] J on accelerations (kg).
+/// Stabilised faces of a rank; nodes are local numbers of the leaf table. Face f has the nodes
+/// nodes[node_begin[f] .. node_begin[f + 1]) and the symmetric matrix J (m3; 2-D: m2) at value[value_begin[f]].
+/// stiffness[f] J acts on increments (N/m), mass[f] J on accelerations (kg).
 struct HostGhostFaces
 {
   std::vector<unsigned int> node_begin{0}, nodes;
@@ -20,7 +20,7 @@ struct HostGhostFaces
   std::vector<double> mass;      ///< factor times density, kg/m3
 };
 
-/// The same on the device, nodes as numbers of active nodes.
+/// The same on the device; nodes are numbers of active nodes.
 struct GhostFaces
 {
   View<unsigned int*> node_begin, nodes;
@@ -33,40 +33,40 @@ struct GhostFaces
 /// How strong the stabilisation is.
 struct GhostFactors
 {
-  double stiffness = 0.; ///< 1/m2, as in the published inputs; what counts is this times h^2
+  double stiffness = 0.; ///< 1/m2, as in the published inputs; the strength is this times h^2
   double mass = 0.;      ///< no unit
 };
 
-/// What fills the leaves: this rank's particles.
+/// The data of this rank's particles that fill the leaves.
 template <int dim> struct SoilBoxes
 {
   const std::vector<std::array<double, dim>>&centre, &half_width; ///< m
   const std::vector<double>&young, &mass, &initial_volume;        ///< Pa, kg (2-D: kg/m), m3 (m2)
 };
 
-/// How much soil a leaf holds, over all ranks. What a particle has is shared out among leaves as its box is.
+/// Soil in a leaf, over all ranks. Each leaf gets the share of a particle that it has of the particle's box.
 struct LeafContent
 {
   double volume = 0.;         ///< of the particles' boxes in it, m3 (2-D: m2)
   double initial_volume = 0.; ///< m3 (2-D: m2)
   double stiffness = 0.;      ///< volume times Young's modulus
   double mass = 0.;           ///< kg (2-D: kg/m)
-  double boundary = 0.;       ///< 1: has an unpopulated face neighbour or is filled below the poor factor
+  double boundary = 0.;       ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
 };
 
-/// Contents of all leaves of the table (owned and ghost). Beyond the window's ends there is no neighbour, so none that
-/// is unpopulated. Collective.
+/// Contents of all leaves of the table (owned and ghost). Cells beyond the ends of the window do not count as
+/// neighbours. Collective.
 template <int dim>
 std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const SoilBoxes<dim>& soil, double poor_factor,
                                             MPI_Comm communicator);
 
-/// Whether the basis sees the leaf: BoxAverage drops slivers, and a threshold here would leave nodes of small cuts
-/// alone.
+/// Whether the basis sees the leaf. BoxAverage has dropped slivers already; a further threshold here would leave nodes
+/// of small cuts without stabilisation.
 inline bool is_populated(const LeafContent& content) { return content.volume > 0.; }
 
-/// Faces between a boundary leaf and a populated one, each on one rank, with J = (h^3 / 3) * integral over the face of
-/// the product of the jumps of the normal derivative; h and the face are the smaller leaf's, E and the density are the
-/// mean of the two leaves' (Coombs 2023, doi 10.1002/nme.7332).
+/// Faces between a boundary leaf and a populated leaf, each on one rank (Coombs 2023, doi 10.1002/nme.7332). J is h^3 /
+/// 3 times the integral over the face of the product of the jumps of the normal derivative. h and the face belong to
+/// the smaller leaf; E and the density are means of both leaves.
 template <int dim>
 HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<LeafContent>& contents,
                                 const GhostFactors& factors);

@@ -24,18 +24,17 @@ template <int dim> struct NodeShare
 
 /// Shape function averages S_v and grad S_v of one box (centre, half-widths, m) over the leaves that it overlaps
 /// (Bardenhagen & Kober 2004; one-point integration per overlap box is exact, Bird et al. 2026, arXiv:2606.09275).
-/// Overlaps below 1e-11 of the box are ignored; a box that pokes out of the window or of what is known is clipped
-/// and renormalised.
-/// Workspace is kept between calls, so use one object per thread.
+/// Overlaps below 1e-11 of the box are ignored. A box that reaches beyond the window or the known leaves is clipped and
+/// renormalised. The object keeps workspace between calls, so each thread needs its own.
 template <int dim> class BoxAverage
 {
 public:
   explicit BoxAverage(const LeafTable<dim>& table);
 
-  /// Leaves under the box with their fractions (sum 1); empty if the box lies outside the window.
+  /// Leaves that the box overlaps, with their fractions (sum 1). Empty if the box lies outside the window.
   const std::vector<Overlap>& find_overlaps(const std::array<double, dim>& centre,
                                             const std::array<double, dim>& half_width);
-  /// Node shares of the last box, in the order in which its leaves name the nodes.
+  /// Node shares of the box of the last find_overlaps(), in the order in which its leaves name the nodes.
   const std::vector<NodeShare<dim>>& average();
 
 private:
@@ -46,7 +45,7 @@ private:
   std::vector<NodeShare<dim>> shares;
 };
 
-/// Values and gradients of a leaf's true nodes at a point x (m) of the leaf, added to `shares` with a weight.
+/// Adds values and gradients of a leaf's true nodes at a point x (m) of the leaf, times a weight, to `shares`.
 template <int dim>
 void add_leaf_shape(const LeafTable<dim>& table, unsigned int leaf, const std::array<double, dim>& x, double weight,
                     std::vector<NodeShare<dim>>& shares);
@@ -60,14 +59,15 @@ struct HostStencils
   std::vector<double> value, gradient;
 };
 
-/// Builds the stencils of all particles; `leaf_of_particle` (ascending runs) only serves to find equal patterns. With
-/// `point_basis` every box is shrunk to its centre (standard MPM). Throws SolverError if a particle lies outside the
-/// window.
+/// Builds the stencils of all particles. `leaf_of_particle` serves only to find equal patterns; particles of one leaf
+/// must be consecutive. With `point_basis` every box shrinks to its centre (standard MPM). Throws SolverError if a
+/// particle lies outside the window.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
                             const std::vector<unsigned int>& leaf_of_particle, bool point_basis);
 
-/// Renames the nodes by `number` (leaf-table node -> active node), sorts each pattern by it and copies to the device.
+/// Renames the nodes by `number` (leaf-table node -> active node), sorts the nodes of each pattern and copies
+/// everything to the device.
 template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::vector<unsigned int>& number);
 } // namespace kedge

@@ -1,4 +1,4 @@
-// The shape functions of all particles of a rank in plain arrays, as the kernels want them.
+// The shape functions of all particles of a rank in plain arrays, the form that kernels need.
 #pragma once
 
 #include <kedge/base/kokkos.h>

@@ -1,4 +1,4 @@
-// Rigid points in explicit dynamics: kicks by the loads of the soil and their weight, drifts under their joints.
+// Rigid points in explicit dynamics: loads of the soil and weight kick them, then they drift under their joints.
 #pragma once
 
 #include <kedge/bodies/rigid_balance.h>
@@ -7,26 +7,27 @@
 
 namespace kedge
 {
-/// The points on their way through a step of many small ones. Splitting after Strang (1968, SIAM J. Numer. Anal. 5):
-/// half a kick, a drift, half a kick, which is velocity Verlet for a body without joints. In a drift the joints act
-/// alone, and implicitly (Newmark's average acceleration), so that their stiffness does not limit the time step.
+/// Motion of the points within a step that consists of many small ones. Each small step is half a kick, a drift and
+/// half a kick (splitting after Strang 1968, SIAM J. Numer. Anal. 5); without joints this is velocity Verlet. In a
+/// drift only the joints act. They act implicitly (Newmark's average acceleration), so their stiffness does not limit
+/// the time step.
 class ExplicitMotion
 {
 public:
-  /// `begins_stage`: the accelerations of the points are not those of their joints yet.
+  /// `begins_stage`: the points do not know yet which accelerations their joints cause.
   ExplicitMotion(const RigidSystems& committed, bool begins_stage);
 
-  /// Lets loads (N, N m about the points where they stand, world axes; empty: none) and gravity (m/s2) act on the free
-  /// dofs for a time, s.
+  /// Loads and gravity (m/s2) act on the free dofs for `time` (s). Loads: N and N m about the present position of each
+  /// point, world axes; empty: none.
   void kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, double time);
 
-  /// Moves on by a time, s, that is a `fraction` of an uncut step. Returns why it could not, or nothing.
+  /// Moves the points for `time` (s), which is `fraction` of an uncut step. Returns why this failed; empty on success.
   std::string drift(double fraction, double time);
 
-  /// From the start of the step.
+  /// Motion of every point since the start of the step.
   std::vector<Vector6> increments() const;
 
-  /// Hands position and motion to the points that the step started from; `fraction` is that of the whole step.
+  /// Copies position and motion to `committed`, from which the step started. `fraction` is that of the whole step.
   void commit(RigidSystems& committed, double fraction) const;
 
 private:

@@ -1,4 +1,4 @@
-// What the input says of the interface between the soil and the surface of a body.
+// What the input says about the interface between the soil and the surface of a body.
 #pragma once
 
 #include <optional>
@@ -18,17 +18,17 @@ enum class TangentialLimit
   sum       ///< a + mu p
 };
 
-/// Values of one surface, or of "contact" for all surfaces; a surface takes from there what it does not give itself.
+/// Values of one surface, or those of "contact", which hold for every surface that gives no value of its own.
 struct InterfaceParameters
 {
   std::optional<double> friction_coefficient;
   std::optional<double> adhesion; ///< Pa
   std::optional<TangentialLimit> tangential_limit;
-  std::optional<bool> bonded; ///< whether a point that has touched stays, also in tension
+  std::optional<bool> bonded; ///< whether a point that has touched the surface stays on it, also in tension
 
-  /// These values, and those of `general` where there is none.
+  /// These values; a missing one is taken from `general`.
   InterfaceParameters or_else(const InterfaceParameters& general) const;
-  /// The form in use: friction alone without adhesion.
+  /// The limit in use. Without adhesion it is friction alone.
   TangentialLimit limit() const;
 };
 

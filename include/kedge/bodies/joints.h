@@ -14,10 +14,10 @@ namespace kedge
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-/// Joint between two points; which members count depends on the type.
+/// Joint between two points. Which members a joint uses depends on its type (JointType).
 struct Joint
 {
-  ConstraintType type = ConstraintType::coincidence;
+  JointType type = JointType::ball;
   std::array<unsigned int, 2> points{};     ///< from 0, over all systems
   std::array<Eigen::Vector3d, 2> anchors{}; ///< in the frames of the two points, m
   std::array<Eigen::Vector3d, 2> axes{};    ///< hinge: unit vectors in the frames of the two points
@@ -26,37 +26,34 @@ struct Joint
   double rotational_stiffness = 0.;         ///< hinge: N m (per radian)
 };
 
-/// Turns a constraint of the input into the frames of its points, as they stand in the input; `first_point` is the
-/// number of the system's first point over all systems. An axis has no sense: opposite directions are turned to agree.
+/// Expresses a joint of the input in the frames of its points, which stand where the input puts them. `first_point` is
+/// the number of the system's first point, counted over all systems. Only the line of an axis counts, not its sense:
+/// the second axis is reversed where it opposes the first.
 ///
-/// A stop is taut at the distance of its anchors at which their arms from the rotation centre enclose the angle limit
-/// (law of cosines). So where both anchors start at one place, the hinge opens by the limit to either side.
-Joint make_joint(const ConstraintParameters& parameters, const std::vector<PointParameters>& points,
+/// A stop goes taut when the arms from the rotation centre to its anchors enclose the angle limit; the law of cosines
+/// turns this angle into a distance of the anchors. If both anchors start at one place, the hinge can open by the limit
+/// to either side.
+Joint make_joint(const JointParameters& parameters, const std::vector<PointParameters>& points,
                  unsigned int first_point, unsigned int dim);
 
-/// The answer of a joint to the increments of its two points.
+/// Response of a joint to the increments of its two points.
 struct JointResponse
 {
   double energy = 0.;                  ///< J
-  Vector12 force = Vector12::Zero();   ///< d energy / d increments, N and N m: what the joint resists with
+  Vector12 force = Vector12::Zero();   ///< d energy / d increments, N and N m: resistance of the joint
   Matrix12 tangent = Matrix12::Zero(); ///< d force / d increments, symmetric
-  /// Magnitude of force (N) and moment (N m) on each point before they cancel, and how much of it may be round-off.
+  /// Magnitude of force (N) and moment (N m) on each point before they cancel, and the part that may be round-off.
   std::array<std::array<double, 2>, 2> magnitude{}, round_off{};
 };
 
-/// Energy of the springs, with g = x_1 - x_2 the distance vector of the anchors and d_1, d_2 the hinge axes:
-///   ball   k/2 |g|^2
-///   hinge  k/2 |g|^2 + k_r/2 |d_1 - d_2|^2 = k/2 |g|^2 + k_r (1 - cos(angle between the axes))
-///   rod    k/2 (|g| - L)^2, in tension and compression
-///   stop   k/2 <|g| - L>^2, with its kink rounded over a thousandth of L, so that the stiffness is continuous. No
-///   angle
-///          enters, and there is none to be singular.
-/// `start` are the poses at the start of the step, `increments` the motion since then.
+/// Evaluates the energy of a joint (JointType lists the formulas) and its derivatives. A stop works with a distance and
+/// not with an angle, so no angle can become singular. `start`: poses at the start of the step; `increments`: motion
+/// since then.
 JointResponse evaluate_joint(const Joint& joint, const std::array<Pose, 2>& start,
                              const std::array<Vector6, 2>& increments);
 
-/// What a joint exerts on the body of its first point, world axes: a force at its anchor and, of a hinge, a couple
-/// beside it. The body of the second point gets the opposite at its own anchor.
+/// Action of a joint on the body of its first point, in world axes: a force at the anchor and, for a hinge, also a
+/// couple. The opposite acts on the body of the second point, at that body's own anchor.
 struct JointForce
 {
   Eigen::Vector3d force;  ///< N

@@ -1,4 +1,4 @@
-// What the input says of rigid bodies: points, joints, surfaces. Positions are global, before the offset; in 2-D the
+// What the input says about rigid bodies: points, joints, surfaces. Positions are global, before the offset; in 2-D the
 // first two entries of a vector are [x, z].
 #pragma once
 
@@ -35,18 +35,20 @@ struct PointParameters
   std::array<DofCondition, 6> conditions; ///< x, y, z, about x, y, z; in 2-D [0..2]: x, z, rotation
 };
 
-enum class ConstraintType
+/// Kinds of joints, and the energy of their springs: g = x_1 - x_2 is the distance vector of the anchors, k the
+/// stiffness, d_1 and d_2 are the hinge axes, k_r the rotational stiffness, L is a length.
+enum class JointType
 {
-  coincidence,
-  rotation_lock,
-  distance_lock,
-  distance_stop
+  ball,  ///< "coincidence": k/2 |g|^2
+  hinge, ///< "rotation lock": k/2 |g|^2 + k_r/2 |d_1 - d_2|^2 = k/2 |g|^2 + k_r (1 - cos(angle between the axes))
+  rod,   ///< "distance lock": k/2 (|g| - L)^2, in tension and compression
+  stop   ///< "distance stop": k/2 <|g| - L>^2; the kink is rounded over L / 1000 to keep the stiffness continuous
 };
 
-/// Penalty joint between two points; which members count depends on the type (doc/input-format).
-struct ConstraintParameters
+/// Penalty joint between two points. joint_section() says which members each type reads.
+struct JointParameters
 {
-  ConstraintType type = ConstraintType::coincidence;
+  JointType type = JointType::ball;
   std::array<unsigned int, 2> points{{1, 2}}; ///< numbered from 1
   std::array<double, 3> position_1{}, position_2{}, rotation_centre{}, direction_1{}, direction_2{};
   double distance = 0.;             ///< m
@@ -58,10 +60,10 @@ struct ConstraintParameters
 /// A closed surface welded to a point: an STL file in 3-D, a polygon in 2-D.
 struct SurfaceParameters
 {
-  std::string stl;                            ///< path, already resolved against the input file
+  std::string stl;                            ///< path, resolved against the folder of the input file
   std::vector<std::array<double, 2>> outline; ///< 2-D only, [x, z]
   unsigned int point = 1;                     ///< numbered from 1
-  InterfaceParameters interface;              ///< what differs from "contact"
+  InterfaceParameters interface;              ///< only the values that differ from "contact"
 };
 
 struct TrackedNodeParameters
@@ -73,7 +75,7 @@ struct TrackedNodeParameters
 struct SystemParameters
 {
   std::vector<PointParameters> points;
-  std::vector<ConstraintParameters> constraints;
+  std::vector<JointParameters> joints;
   std::vector<SurfaceParameters> surfaces;
   std::vector<TrackedNodeParameters> tracked_nodes;
   std::array<double, 3> offset{};

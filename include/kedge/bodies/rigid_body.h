@@ -12,10 +12,10 @@ namespace kedge
 /// Three translations (m) and the rotation vector (rad), both along world axes.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// Force (N) and moment (N m, about the point where it stands at the end of the step) on each rigid point, world axes.
+/// Force (N) and moment (N m) on each rigid point, world axes; the moment is about its position at the end of the step.
 using BodyLoads = std::vector<Vector6>;
 
-/// A vector of the input in world axes: plane strain happens in the plane y = 0, its vectors are [x, z].
+/// Turns a vector of the input into world axes. Plane strain lies in the plane y = 0, and its vectors are [x, z].
 Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, unsigned int dim);
 
 /// Matrix of the cross product: skew(a) b = a x b.
@@ -51,7 +51,7 @@ struct Pose
   Pose moved(const Vector6& increment) const;
 };
 
-/// The increment that `start.moved()` needs to be at `end`; the shorter way round.
+/// The increment for which `start.moved()` gives `end`. It turns by at most half a turn.
 Vector6 increment_between(const Pose& start, const Pose& end);
 
 /// Change of the world position of a body-frame point with the increment, d moved(increment).to_world(X) / d increment.
@@ -66,7 +66,7 @@ struct RigidPoint
   RigidPoint(const PointParameters& parameters, const std::array<double, 3>& offset, unsigned int dim);
 
   Pose pose;
-  Vector6 last_increment = Vector6::Zero();          ///< of a requested step as the last one had it, m, rad
+  Vector6 last_increment = Vector6::Zero();          ///< last increment, scaled to a requested step, m, rad
   Vector6 velocity = Vector6::Zero();                ///< m/s, rad/s, world axes
   Vector6 acceleration = Vector6::Zero();            ///< m/s2, rad/s2, world axes
   double mass = 0.;                                  ///< kg
@@ -77,7 +77,7 @@ struct RigidPoint
   unsigned int n_free_dofs() const;
   /// Inertia tensor in world axes, kg m2.
   Eigen::Matrix3d world_inertia() const;
-  /// Prescribed part of the increment of a step, `fraction` of an uncut one; zero where free or fixed.
+  /// Prescribed part of the increment of a step that is `fraction` of an uncut one; zero for free and fixed dofs.
   Vector6 prescribed_increment(double fraction) const;
 };
 } // namespace kedge

@@ -1,5 +1,4 @@
-// All rigid bodies of a scene: their points, the joints between these, and the surfaces and tracked nodes welded to
-// them.
+// All rigid bodies of a scene: points, joints between the points, and surfaces and tracked nodes welded to points.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -15,8 +14,8 @@ struct WeldedSurface
 {
   Surface surface;
   unsigned int point; ///< from 0, over all systems
-  InterfaceParameters interface {
-  }; ///< what differs from "contact"
+  /// Only the values that differ from "contact".
+  InterfaceParameters interface = {};
 };
 
 struct TrackedNode
@@ -39,21 +38,21 @@ struct RigidSystems
 /// Reads the surfaces and places everything as the input says. Throws InputError.
 RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters, unsigned int dim);
 
-/// Sets the conditions of all points to those of the input, then to those of the stage.
+/// Gives all points the conditions of the input, then replaces those that the stage overrides.
 void apply_conditions(RigidSystems& systems, const std::vector<SystemParameters>& parameters,
                       const std::vector<PointConditionsOverride>& overrides, unsigned int dim);
 
-/// Axis-aligned bounds of all surfaces as they stand, m; empty (min > max) without surfaces.
+/// Axis-aligned bounds of all surfaces at their present position, m; empty (min > max) without surfaces.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);
-/// The same of one of them.
+/// The same for one surface.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const WeldedSurface& welded);
 
-/// Diagonal of these bounds in the axes of the analysis, m; 0 without surfaces. In plane strain the surfaces' extent
-/// across the plane means nothing.
+/// Diagonal of these bounds in the axes of the analysis, m; 0 without surfaces. In plane strain the extent across the
+/// plane does not count.
 double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
 
-/// Whether any body's surface, as it stands, is at most `distance` (m) from the closed box between two corners in world
-/// axes; a surface that crosses the box is at distance zero. Exact but for round-off.
+/// Whether any surface at its present position is at most `distance` (m) from the closed box between two corners in
+/// world axes. A surface that crosses the box is at distance zero. Exact up to round-off.
 bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
                           double distance);
 

@@ -32,13 +32,13 @@ MassProperties mass_properties(const TriangleMesh& mesh);
 /// Lower and upper corner of the axis-aligned bounding box, m.
 std::array<Eigen::Vector3d, 2> bounds(const TriangleMesh& mesh);
 
-/// Joins vertices closer than `tolerance` (m; 0: equal ones only). Triangles that lose a corner stay, with a repeated
-/// vertex number.
+/// Joins vertices that are closer than `tolerance` (m; 0: equal ones only). A triangle that loses a corner remains and
+/// repeats a vertex number.
 TriangleMesh merge_vertices(const TriangleMesh& mesh, double tolerance);
 
 /// Throws InputError(path, problem, remedy) unless the mesh is closed, manifold, oriented outwards and free of
-/// degenerate triangles and self-intersections; the problem says where. `name` (a file name, say) opens the problem.
-/// `resolution` (m): triangles lower than this count as degenerate.
+/// degenerate triangles and self-intersections. The problem says where and begins with `name` (a file name, say).
+/// Triangles lower than `resolution` (m) count as degenerate.
 void check_surface(const TriangleMesh& mesh, const std::string& path, const std::string& name = "",
                    double resolution = 0.);
 
@@ -49,27 +49,28 @@ struct Crossing
   Eigen::Vector3d position;
 };
 
-/// A pair of triangles that cross or overlap (beyond the vertices and edges they share), if any. Needs a closed,
-/// manifold mesh; exact predicates (CGAL).
+/// A pair of triangles that cross or overlap, if there is one; shared vertices and edges do not count. Needs a closed,
+/// manifold mesh. Uses exact predicates (CGAL).
 std::optional<Crossing> find_crossing(const TriangleMesh& mesh);
 
-/// Reads an ASCII or binary STL (several solids in one file are joined), merges coincident vertices and checks the
-/// result with check_surface(). Throws InputError with `json_path` in front.
+/// Reads an ASCII or binary STL and joins all its solids, merges coincident vertices and checks the result with
+/// check_surface(). Throws InputError with `json_path` in front.
 TriangleMesh read_stl(const std::string& file, const std::string& json_path);
 
 /// Writes binary STL: coordinates are rounded to single precision. Throws FileError.
 void write_stl(const TriangleMesh& mesh, const std::string& file);
 
-/// The prism that stands for a plane-strain body: `outline` is a closed polygon of [x, z] (either direction, the last
-/// point is not repeated), extruded along y far enough that a query at y = 0 never sees the end caps. Throws InputError
-/// with `json_path` in front where the polygon is degenerate or crosses itself.
+/// The prism that represents a plane-strain body. `outline` is a closed polygon of [x, z], in either direction and
+/// without repeating the first point. It is extruded along y so far that a query at y = 0 never sees the end caps.
+/// Throws InputError with `json_path` in front if the polygon is degenerate or crosses itself.
 TriangleMesh extrude_outline(const std::vector<std::array<double, 2>>& outline, const std::string& json_path);
 
-/// Surface::sharpest_edge_radius of the corners of an outline, m: the end caps of its prism are not in the way of soil.
+/// Surface::sharpest_edge_radius of the corners of an outline, m. The edges of the end caps, which soil never meets, do
+/// not count.
 double sharpest_corner_radius(const std::vector<std::array<double, 2>>& outline);
 
-/// Part of the surface that holds a closest point. Edges flatter than 1e-3 rad, and vertices between such edges only,
-/// are part of a face; a vertex inside a straight edge is part of that edge.
+/// Part of the surface that holds a closest point. Edges flatter than 1e-3 rad count as face, and so do vertices that
+/// join only such edges. A vertex inside a straight edge counts as part of that edge.
 enum class Feature
 {
   face,
@@ -87,15 +88,15 @@ struct ClosestPoint
   unsigned int triangle;   ///< one triangle that holds the point
 };
 
-/// What a query has found about one point, for the queries after it has moved a little: distances change by no more
-/// than the point's way.
+/// Result of the last query for one point. It speeds up the next one, because the signed distance changes by no more
+/// than the distance that the point travels.
 struct KnownDistance
 {
   Eigen::Vector3d at = Eigen::Vector3d::Zero();                      ///< m
   double signed_distance = std::numeric_limits<double>::quiet_NaN(); ///< m; not a number: nothing is known
 };
 
-/// A box of any orientation in the frame of a surface. A half-width may be zero, as across the plane of plane strain.
+/// A box of any orientation in the frame of a surface. A half-width may be zero, as across the plane in plane strain.
 struct OrientedBox
 {
   Eigen::Vector3d centre;     ///< m
@@ -103,8 +104,8 @@ struct OrientedBox
   Eigen::Vector3d half_width; ///< along the axes, m
 };
 
-/// Signed-distance queries against a closed mesh by a bounding-volume tree; the tree is built once. Queries are const
-/// and may run in any number of threads. Sign by angle-weighted pseudo-normals (Baerentzen & Aanaes 2005,
+/// Signed-distance queries against a closed mesh. A bounding-volume tree, built once, answers them. Queries are const
+/// and may run in any number of threads. Angle-weighted pseudo-normals give the sign (Baerentzen & Aanaes 2005,
 /// doi 10.1109/TVCG.2005.49).
 class Surface
 {
@@ -119,23 +120,23 @@ public:
   std::array<Eigen::Vector3d, 2> bounds() const;
 
   ClosestPoint closest_point(const Eigen::Vector3d& x) const;
-  /// The closest point where gap <= distance, else nothing. Every point inside the body is found, however deep; far
-  /// points cost one comparison with the bounding box.
+  /// The closest point if gap <= distance, else nothing. This finds every point inside the body, however deep. A far
+  /// point costs one comparison with the bounding box.
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance) const;
-  /// The same, to the last digit, sooner: starts from what the last query of this point has left in `known`.
+  /// The same result to the last digit, but faster: uses what the last query for this point left in `known`.
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance,
                                                    KnownDistance& known) const;
-  /// True only where gap > distance for certain, by the bounding box alone. False does not mean near.
+  /// True only if the bounding box alone shows that gap > distance. False does not mean that the point is near.
   bool surely_farther_than(const Eigen::Vector3d& x, double distance) const;
-  /// Whether the distance from the surface (not from what it encloses) to the closed box is at most `distance`, m;
-  /// exact but for round-off. A surface that crosses the box, or lies in it, is at distance zero.
+  /// Whether the distance from the surface (not from the solid) to the closed box is at most `distance`, m; exact up to
+  /// round-off. A surface that crosses the box, or lies in it, is at distance zero.
   bool comes_within(const OrientedBox& box, double distance) const;
 
-  /// Smallest radius (m) to which a convex edge is rounded. The angle a between the face normals at an edge is turned
-  /// over the half widths d1, d2 of the two faces: r = (d1 + d2) / (2 sin(a/2)), where a face more than three times as
-  /// wide as the other one is flat and adds nothing. Exact for circular arcs of at least two facets. Zero where an edge
-  /// turns by more than 60 degrees, or where the normals around a convex vertex spread by more than 90. Edges flatter
-  /// than 5 degrees do not count; infinity if none does.
+  /// Smallest radius (m) to which a convex edge is rounded. At an edge the normal turns by an angle a over the half
+  /// widths d1, d2 of the two faces, so r = (d1 + d2) / (2 sin(a/2)); exact for circular arcs of at least two facets. A
+  /// face more than three times as wide as the other one counts as flat and adds nothing. The radius is zero if an edge
+  /// turns by more than 60 degrees, or if the normals around a convex vertex spread by more than 90 degrees. Edges that
+  /// turn by less than 5 degrees do not count; without any other edge the radius is infinite.
   double sharpest_edge_radius() const;
 
 private:

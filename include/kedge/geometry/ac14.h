@@ -1,6 +1,6 @@
-// The AC-14 anchor as two parametric bodies, drawn along x with its planes of symmetry at y = 0 and z = 0. Pivot, eye,
-// lengths, masses and centroids are those of the drag-anchor tutorial of AMPSSIE and of Bird et al. 2026
-// (arXiv:2512.03632); outlines and thicknesses are this project's own: doc/geometry-ac14.md. SI units.
+// The AC-14 anchor as two parametric bodies. It lies along x and has its planes of symmetry at y = 0 and z = 0. Pivot,
+// eye, lengths, masses and centroids come from the drag-anchor tutorial of AMPSSIE and from Bird et al. 2026
+// (arXiv:2512.03632); outlines and thicknesses are this project's own (doc/geometry-ac14.md). SI units.
 #pragma once
 
 #include <kedge/bodies/surface.h>
@@ -12,12 +12,13 @@ constexpr double steel_density = 7850.; ///< kg/m3
 /// Mesh of a part of the anchor.
 struct PartMesh
 {
-  double size = 0.06; ///< edges of the triangles on the flat sides, m; 0.04 m at most on the fluke, whose palms bend
+  double size =
+      0.06; ///< edges of the triangles on the flat sides, m; at most 0.04 m on the fluke, whose palms are curved
   unsigned int segments = 4; ///< facets over a quarter turn of roundings
 };
 
-/// Crown, palms and flukes in one piece, whole (both sides of y = 0), tips towards +x. Thickness follows from mass and
-/// centroid: a crown and flukes that thin towards their tips share what the palms leave.
+/// Crown, palms and flukes in one piece, on both sides of y = 0, with the tips towards +x. The thickness of the crown
+/// and of the flukes, which thin towards their tips, follows from mass and centroid.
 struct Ac14Fluke
 {
   double mass = 6583.2;      ///< kg
@@ -29,7 +30,7 @@ struct Ac14Fluke
   double palm_height = 0.42; ///< of the tripping palms over the crown, on either side of z = 0, m
 };
 
-/// Shank with foot and eye, turning about (pivot, y, 0). Its thickness across y follows from mass and centroid.
+/// Shank with foot and eye. It turns about (pivot, y, 0). Its thickness along y follows from mass and centroid.
 struct Ac14Shank
 {
   double mass = 2116.7;     ///< kg
@@ -41,7 +42,7 @@ struct Ac14Shank
   double eye_radius = 0.06; ///< of the hole; 0: none, m
 };
 
-/// Throw InputError where a part of these dimensions cannot be built.
+/// Both throw InputError if a part with these dimensions cannot be built.
 TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh);
 TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh);
 } // namespace kedge

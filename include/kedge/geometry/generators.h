@@ -1,6 +1,6 @@
-// Parametric, watertight, rounded bodies for STL files. SI units; outward normals. Rounding never changes the overall
-// dimensions. Curved faces are inscribed: vertices lie on the true surface, so volumes converge from below with the
-// square of the number of segments. Sizes that cannot be built throw InputError with the name of the parameter.
+// Parametric, watertight, rounded bodies for STL files. SI units; outward normals. Rounding does not change the overall
+// dimensions. The vertices of curved faces lie on the true surface, so the volume converges from below, with the square
+// of the number of segments. Impossible sizes throw InputError with the name of the parameter.
 #pragma once
 
 #include <kedge/bodies/surface.h>
@@ -21,15 +21,15 @@ TriangleMesh make_box(const Eigen::Vector3d& size, const Rounding& rounding);
 TriangleMesh make_plate(double side, double thickness, const Rounding& rounding);
 
 /// Frustum of a cone with its axis along x: major base (diameter D) at x = 0, minor base (d) at x = length, m. `sides`
-/// is the number of facets around the axis; the diameters along y and z are exact where 4 divides it. Rounded, the
-/// largest diameter is still that of the wider base (the flank lies a little further out than on the sharp frustum),
-/// while the narrower rim is rounded off inside its diameter.
+/// is the number of facets around the axis; the diameters along y and z are exact if 4 divides it. A rounded frustum
+/// keeps the diameter of its wider base, so its flank lies slightly outside that of the sharp one. The rounding of the
+/// narrower rim lies inside its diameter.
 TriangleMesh make_frustum(double major_diameter, double minor_diameter, double length, unsigned int sides,
                           const Rounding& rounding);
 
-/// Penetrometer: cylinder of given radius with a conical tip of the given full apex angle (degrees); axis along z, tip
-/// at the origin pointing down, total length as given (m). The tip is rounded to a sphere tangent to the cone whose
-/// lowest point is the origin: the shoulder then sits lower than that of a sharp tip, while length and radius are kept.
+/// Penetrometer: cylinder of the given radius with a conical tip of the given full apex angle (degrees) and the given
+/// total length (m). The axis is along z; the tip points down and ends at the origin. A rounded tip is a sphere tangent
+/// to the cone. Length and radius stay the same, so the shoulder is lower than with a sharp tip.
 TriangleMesh make_cone(double radius, double apex_angle, double length, unsigned int sides, const Rounding& rounding);
 
 /// Sphere centred at the origin; `segments` facets over a quarter of a great circle, 8 segments^2 triangles.

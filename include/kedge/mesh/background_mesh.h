@@ -21,21 +21,22 @@ public:
   const dealii::parallel::distributed::Triangulation<dim>& triangulation() const { return forest; }
   const dealii::Mapping<dim>& mapping() const { return cartesian; }
 
-  /// Spreads the cells anew over the ranks, by their work (by active cell index, an empty cell's is 1) or, without it,
-  /// evenly; the children of a cell come to one rank. Particles must have been packed before (ParticleSet does so).
+  /// Distributes the cells over the ranks again. All ranks get the same share of `work` (by active cell index; an empty
+  /// cell has 1), or of the cells if it is empty. The children of a cell come to one rank. Pack the particles first
+  /// (ParticleSet does so).
   void repartition(const std::vector<double>& work = {});
 
-  /// Sets where soil is active; the whole grid at first. The leaves keep their numbers.
+  /// Sets the part of the grid in which soil is active; at first it is the whole grid. The leaves keep their numbers.
   void set_window(const Window<dim>& window);
-  /// Of an owned or ghost cell.
+  /// Whether an owned or ghost cell lies in the window.
   bool in_window(const Cell& cell) const { return table.in_window(table.leaves[leaf_number(cell)]); }
 
-  /// Numbers the nodes and rebuilds the leaf table; call after every change of the forest. Collective.
+  /// Numbers the nodes and rebuilds the leaf table. Call it after every change of the forest. Collective.
   void update();
 
   /// The table of the last update().
   const LeafTable<dim>& leaves() const { return table; }
-  /// Grows with every change of cells or window, for whoever keeps data by cell.
+  /// Grows with every change of cells or window, so that owners of data by cell notice the change.
   unsigned long version() const { return n_changes; }
   /// Number of the leaf of an owned or ghost cell in leaves().
   unsigned int leaf_number(const Cell& cell) const { return leaf_of_cell[cell->active_cell_index()]; }

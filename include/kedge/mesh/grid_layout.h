@@ -1,4 +1,4 @@
-// Sizes of the background grid: which base cells, how many, where the soil ends.
+// Layout of the background grid: size and number of base cells, and the end of the soil.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@ namespace kedge
 template <int dim> struct GridLayout
 {
   double base_size = 0.;                      ///< edge of a base cell
-  double finest_size = 0.;                    ///< smallest size asked for anywhere; base_size / 2^k
+  double finest_size = 0.;                    ///< smallest size that any stage requests; base_size / 2^k
   std::array<unsigned int, dim> base_cells{}; ///< number of base cells per axis
   std::array<double, dim> soil_extent{};      ///< upper corner of the soil block
 
@@ -20,9 +20,9 @@ template <int dim> struct GridLayout
 /// Largest size not above `size` that is `finest` times a power of two (both in m).
 double round_down_to_level(double size, double finest);
 
-/// Rounds the sizes of a scene to a grid: `sizes` are all cell sizes asked for (the smallest is exact, `base` is
-/// rounded down to it times a power of two), the footprint is rounded up to whole base cells, the block's top up to a
-/// whole row of particles, and the grid is twice as high as the soil. `footprint` holds dim - 1 lengths.
+/// Rounds the sizes of a scene to a grid. `sizes` are all requested cell sizes: the smallest one is exact, and `base`
+/// is rounded down to a power of two times the smallest. The footprint (dim - 1 lengths) is rounded up to whole base
+/// cells, the top of the soil up to a whole row of particles. The grid is twice as high as the soil.
 template <int dim>
 GridLayout<dim> make_grid_layout(double base, const std::vector<double>& sizes,
                                  const std::array<double, dim - 1>& footprint, double soil_thickness,

@@ -1,4 +1,4 @@
-// The leaf cells that a rank knows, as plain arrays: boxes, nodes, and the tree to find them by.
+// The leaf cells that a rank knows, as plain arrays: boxes, nodes, and a tree for finding them.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace kedge
 {
-/// Leaves owned by this rank and the ghost leaves around them. A leaf's shape functions are those of its "true" nodes:
-/// the share of a hanging vertex has been handed to its masters.
+/// Leaves owned by this rank and the ghost leaves around them. The shape functions of a leaf belong to its "true"
+/// nodes: the share of a hanging vertex goes to the nodes that it hangs on.
 template <int dim> struct LeafTable
 {
   static constexpr unsigned int n_vertices = 1u << dim;
@@ -19,7 +19,7 @@ template <int dim> struct LeafTable
     std::array<double, dim> lower; ///< lower corner, m
     double size;                   ///< edge, m
     unsigned int node_begin;       ///< first entry in `nodes`
-    unsigned int weight_begin;     ///< first entry in `weights`; unused where regular
+    unsigned int weight_begin;     ///< first entry in `weights`; unused if regular
     unsigned short n_nodes;        ///< number of true nodes
     bool regular;                  ///< no hanging vertex: nodes are the vertices, in lexicographic order
     bool owned;                    ///< owned by this rank
@@ -28,8 +28,9 @@ template <int dim> struct LeafTable
     int tree_index;                ///< index of the deal.II cell on its level
   };
 
-  /// Octree without pointers: entries >= 0 are the first of 2^dim consecutive children, entries < 0 are leaf -1 -
-  /// entry, `unknown` marks what other ranks own. The first entries are the base cells, x fastest.
+  /// Octree without pointers. An entry >= 0 is the position of the first of 2^dim consecutive children, an entry < 0
+  /// stands for leaf -1 - entry, and `unknown` marks parts that other ranks own. The first entries are the base cells,
+  /// x fastest.
   static constexpr std::int32_t unknown = INT32_MIN;
   std::vector<std::int32_t> tree;
   std::array<unsigned int, dim> base_cells{};
@@ -51,10 +52,10 @@ template <int dim> struct LeafTable
   std::vector<std::array<double, dim>> node_position; ///< m
   std::vector<unsigned int> node_owner_is_me;         ///< 1 where this rank owns the node
   long long n_global_nodes = 0;
-  long long n_owned_nodes = 0; ///< numbers handed out by this rank, hanging nodes (which are not listed here) included
+  long long n_owned_nodes = 0; ///< nodes that this rank numbers, including hanging ones, which are not listed here
 
-  /// Leaf that holds x (points on a face belong to the upper cell; the grid's boundary is closed), or -1 where unknown
-  /// or outside.
+  /// Leaf that holds x, or -1 if x is outside the grid or in an unknown part. A point on a face belongs to the upper
+  /// cell, except on the upper boundary of the grid.
   int find_leaf(const std::array<double, dim>& x) const;
 
   /// Appends the leaves whose interior meets the open box (lower, upper), in tree order.

@@ -1,4 +1,4 @@
-// What the input says of the background mesh, its boundary and its window.
+// What the input says about the background mesh, its boundary and its window.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ enum class AdaptivityType
   rigid_body_surface
 };
 
-/// Cells that stay fine wherever the bodies are.
+/// A box in which cells stay fine, wherever the bodies are.
 struct RefinedBox
 {
   std::array<double, 3> min{}, max{}; ///< m; in 2-D [x, z]
@@ -50,7 +50,7 @@ struct Adaptivity
   bool merge = false;
 };
 
-/// All cell sizes (m) that are asked for beside the base size.
+/// All cell sizes (m) that are requested besides the base size.
 std::vector<double> finer_sizes(const Adaptivity& adaptivity);
 
 enum class Advance

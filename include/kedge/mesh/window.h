@@ -20,18 +20,18 @@ template <int dim> struct Window
   bool operator==(const Window& other) const { return lower == other.lower && upper == other.upper; }
 };
 
-/// Puts the planes where the track wants them around the bodies: at its distance from their extent, rounded outward to
-/// base cells. Where a plane is off, or would lie beyond the grid, the grid's face takes its place.
+/// Places the planes around the bodies: at the track's distances from their extent, rounded outward to base cells. If a
+/// plane is off or would lie beyond the grid, the face of the grid takes its place.
 template <int dim>
 Window<dim> place_window(const BoundaryTrack& track, const Extent<dim>& bodies, const GridLayout<dim>& grid);
 
-/// Moves each plane to where place_window puts it if its "advance" allows that way, else it stays. Planes that would
-/// meet stay too.
+/// Moves each plane to its position from place_window if its "advance" allows this direction; otherwise it stays.
+/// Planes that would meet stay, too.
 template <int dim>
 Window<dim> advance_window(const Window<dim>& window, const BoundaryTrack& track, const Extent<dim>& bodies,
                            const GridLayout<dim>& grid);
 
-/// Whether a point (m) lies behind a plane that removes the soil which it leaves behind.
+/// Whether a point (m) lies behind a plane that removes soil.
 template <int dim>
 bool is_left_behind(const std::array<double, dim>& x, const Window<dim>& window, const BoundaryTrack& track,
                     const GridLayout<dim>& grid);

@@ -7,7 +7,7 @@
 
 namespace kedge
 {
-/// How far a run is.
+/// Progress of a run.
 struct RunProgress
 {
   unsigned int stage = 0; ///< from 0
@@ -15,22 +15,24 @@ struct RunProgress
   unsigned int step = 1;  ///< global counter
   unsigned int steps_in_stage = 0;
   bool has_warned_of_window = false;
-  std::string summary; ///< what was reported of the stages so far, as the driver likes
+  std::string summary; ///< report about the stages so far, in a form that the driver chooses
 };
 
-/// Writes the state between two steps with a copy of the input (JSON) that it belongs to; replaces the file as a whole.
-/// Of the soil: forest, partition, window, all particles, committed contacts, prediction, count of deleted particles.
-/// Of the bodies: pose, velocity and acceleration; the rest is in the input. Throws FileError on all ranks. Collective.
+/// Writes the state between two steps and a copy of its input (JSON); replaces the file as a whole. The soil's state:
+/// forest, partition, window, all particles, committed contacts, prediction, count of deleted particles. The bodies'
+/// state: pose, velocity and acceleration; the rest is in the input. Throws FileError on all ranks. Collective.
 template <int dim>
 void write_checkpoint(const Soil<dim>& soil, const RigidSystems& bodies, const RunProgress& progress,
                       const std::string& input, const std::string& path);
 
-/// Fills a soil of base cells alone, without particles, and bodies as the input places them. On as many ranks as wrote
-/// the file, each gets back its own cells and every number is the same to the last bit; on others the cells are spread
-/// by their work. Nodes and cells may be numbered otherwise than before, so that sums may differ in their last digits.
+/// Reads a state. `soil` must have base cells only and no particles, and the bodies must stand where the input places
+/// them. If as many ranks read as wrote, each gets its own cells back and every number is the same to the last bit;
+/// otherwise the cells are distributed by their work. Nodes and cells may get other numbers than before, so later sums
+/// may differ in their last digits.
 ///
-/// Throws FileError on all ranks where the file cannot be read in full or is of another version, and InputError where
-/// it belongs to another input: only "output", "solver", "GPU" and "comment" may differ. Collective.
+/// Throws FileError on all ranks if the file is incomplete or has another version, and InputError if it belongs to
+/// another input. Only "output", "solver", "GPU" and "comment" may differ, and the last stage may end later if its
+/// steps have a fixed length. Collective.
 template <int dim>
 RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::string& input, const std::string& path);
 } // namespace kedge

@@ -1,4 +1,4 @@
-// The fields that can be written: how each is found from what particles and rigid points carry.
+// The fields that can be written, and how each follows from the data of particles and rigid points.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace kedge
 {
-/// Where one particle's data lie; valid until the particles change.
+/// Pointers to the data of one particle; valid until the particles change.
 struct ParticleView
 {
   long long id;
@@ -27,14 +27,14 @@ struct ParticleField
   std::function<void(const ParticleView&, double* value)> evaluate; ///< writes n_components values
 };
 
-/// One field for the manual.
+/// Description of a field for the manual.
 struct FieldDescription
 {
   std::string name, columns, unit, sentence;
 };
 
-/// Every field of material points that can be written, in the order of the tables: those of particles/fields.h and
-/// those that follow from them.
+/// Every field of material points that can be written, in the order of the tables: the fields of particles/fields.h and
+/// those derived from them.
 std::vector<FieldDescription> describe_particle_fields();
 
 struct BodyField
@@ -44,14 +44,14 @@ struct BodyField
   void (*evaluate)(const RigidPoint&, const Vector6& reaction, double* value);
 };
 
-/// The fields of these names (see output/parameters.h), with components along x, y, z; in plane strain y is the
-/// direction out of the plane. "law state" stands for the state variables of the layer's law, each a field of its own.
+/// The fields with these names (see output/parameters.h). Components are along x, y, z; in plane strain y is the
+/// direction out of the plane. "law state" stands for the state variables of the layer's law; each becomes a field.
 template <int dim>
 std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
                                                   const std::vector<StateVariable>& of_law = {});
 std::vector<BodyField> select_body_fields(const std::vector<std::string>& names);
 
-/// Names of the components of a field with so many: none for a scalar, x y z, xx yy zz xy yz xz, 1 to 9.
+/// Names of the components of a field: 3 are x y z, 6 are xx yy zz xy yz xz, 9 are 1 to 9; a scalar has none.
 const std::vector<std::string>& component_names(unsigned int n_components);
 
 /// "position_x", "stress_xx", "mass": the columns of a field in a table.
@@ -65,13 +65,13 @@ template <typename Field> unsigned int count_components(const std::vector<Field>
   return n;
 }
 
-/// Velocity of a point given in the body frame, m/s.
+/// Velocity of a point that is given in the body frame, m/s.
 inline Eigen::Vector3d velocity_at(const RigidPoint& point, const Eigen::Vector3d& X)
 {
   return point.velocity.head<3>() + point.velocity.tail<3>().cross(point.pose.direction_to_world(X));
 }
 
-/// What the conditions exert on a rigid point; zero where nothing was computed (`reactions` is empty).
+/// Reaction of the conditions on a rigid point; zero if none was computed (`reactions` is empty).
 inline Vector6 reaction_on(const std::vector<Vector6>& reactions, std::size_t point)
 {
   return point < reactions.size() ? reactions[point] : Vector6(Vector6::Zero());

@@ -1,4 +1,4 @@
-// What is shown of a moment, as grids in the world's axes; plane strain lies in the plane y = 0.
+// The state of a run at one moment as grids in world axes. Plane strain lies in the plane y = 0.
 #pragma once
 
 #include <kedge/output/fields.h>
@@ -6,7 +6,7 @@
 
 namespace kedge
 {
-/// The force of one contact point on the soil. Plain data: it is sent between ranks.
+/// The force of one contact point on the soil. Plain data, because ranks send it to each other.
 struct ContactForce
 {
   double position[3], force[3]; ///< m, N (2-D: per metre)
@@ -27,9 +27,9 @@ UnstructuredGrid rigid_points(const RigidSystems& bodies, const std::vector<Vect
 /// One vertex per tracked node: "track" and "body" (numbers from 1) and "velocity" (m/s).
 UnstructuredGrid tracked_nodes(const RigidSystems& bodies);
 
-/// All surfaces as they stand: triangles, or the outlines' sides in 2-D. Point data: "velocity" (m/s). Cell data:
-/// "body", the number of the rigid point from 1, and "contact force", what the soil exerts per area (N/m2): the forces
-/// of the contact points nearest to a triangle, summed and divided by its area (2-D: forces per metre by the side's
-/// length).
+/// All surfaces at their present position: triangles, or the sides of outlines in 2-D. Point data: "velocity" (m/s).
+/// Cell data: "body", the number of the rigid point from 1, and "contact force", the force of the soil per area (N/m2).
+/// The latter sums the contact points nearest to a triangle and divides by its area (2-D: force per metre by the length
+/// of the side).
 template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact);
 } // namespace kedge

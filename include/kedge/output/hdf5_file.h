@@ -1,5 +1,5 @@
-// Tables in one HDF5 file that all ranks write and read together. Entries are double, std::int64_t or char; every
-// function is collective, and what fails on one rank throws FileError on all.
+// Tables in one HDF5 file that all ranks write and read together. Entries are double, std::int64_t or char. Every
+// function is collective. A failure on one rank throws FileError on all.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace kedge
 {
-/// Writes under a second name and renames at the end: a reader sees the old file or the new one, never a part.
+/// Writes under a second name and renames the file at the end, so a reader never sees an incomplete file.
 class Hdf5Writer
 {
 public:

@@ -1,4 +1,4 @@
-// What the input says of output.
+// What the input says about output.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ struct SeriesParameters
 {
   bool on = false;
   std::string directory;                                 ///< below the run's output folder
-  double percent = 0.;                                   ///< of a stage's steps; 0: every step
-  std::vector<std::string> particle_fields, body_fields; ///< names as in the input; already filled when "every field"
+  double percent = 0.;                                   ///< share of a stage's steps between two files; 0: every step
+  std::vector<std::string> particle_fields, body_fields; ///< names as in the input; by default all
 };
 
 struct OutputParameters

@@ -1,4 +1,4 @@
-// Which steps of a stage are written.
+// Decides which steps of a stage are written.
 #pragma once
 
 #include <algorithm>

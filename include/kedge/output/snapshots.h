@@ -1,4 +1,4 @@
-// The files of a run: what is due is written for one moment at a time.
+// The files of a run, written for one moment at a time when they are due.
 #pragma once
 
 #include <kedge/contact/contact.h>
@@ -17,7 +17,7 @@ template <int dim> struct Snapshot
   const ParticleSet<dim>& particles;
   const BackgroundMesh<dim>& mesh;
   const RigidSystems& bodies;
-  const std::vector<Vector6>& reactions; ///< per rigid point: N, N m that its conditions exert; empty: all zero
+  const std::vector<Vector6>& reactions; ///< of the conditions on each rigid point, N and N m; empty: all zero
   const std::vector<typename Contact<dim>::Touch>& touches; ///< of this rank
   unsigned int stage;                                       ///< from 1
   unsigned int step;       ///< number in the files' names: 2 after the first converged step
@@ -36,7 +36,7 @@ public:
   /// After a restart: keeps the lists and rows of the earlier run up to and including `step`.
   void resume_after(unsigned int step);
   void begin_stage(unsigned int n_steps);
-  /// Nothing is written twice: neither what this run wrote nor what the earlier one of a restart had reached.
+  /// Writes nothing twice: neither a step that this run has written nor, after a restart, one of the earlier run.
   void write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
 
 private:
@@ -57,6 +57,6 @@ private:
   BodyHistory history;
   std::map<std::string, PvdSeries> series_lists;  ///< by the start of the files' names
   std::optional<unsigned int> resumed;            ///< last step of the earlier run that counts
-  std::optional<unsigned int> vtk_step, csv_step; ///< that were written last
+  std::optional<unsigned int> vtk_step, csv_step; ///< step that was written last
 };
 } // namespace kedge

@@ -1,4 +1,4 @@
-// What a run did and what it cost, as a file beside its results.
+// Summary of a run and its cost, as a file beside the results.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@ struct StageSummary
 {
   std::string type; ///< "static", "dynamic", "explicit"
   unsigned int steps = 0, cuts = 0;
-  long long newton_iterations = 0, krylov_iterations = 0, time_steps = 0; ///< the last of explicit stages
-  long long particles = 0, cells = 0, dofs = 0;       ///< at its end, over all ranks; cells that hold soil
-  long long deleted = 0;                              ///< particles, during the stage
-  double penetration = 0.;                            ///< deepest of any step, m
-  double particle_bytes = 0., basis_bytes = 0.;       ///< per particle: its data, its shape functions
+  long long newton_iterations = 0, krylov_iterations = 0, time_steps = 0; ///< time_steps: of explicit stages
+  long long particles = 0, cells = 0, dofs = 0;       ///< at the end, over all ranks; cells: those that hold soil
+  long long deleted = 0;                              ///< particles deleted during the stage
+  double penetration = 0.;                            ///< deepest one of all steps, m
+  double particle_bytes = 0., basis_bytes = 0.;       ///< memory per particle: its data; its shape functions
   std::vector<std::array<double, 3>> start_positions; ///< of the rigid points, m
 };
 
@@ -35,13 +35,13 @@ struct RunSummary
   std::map<std::string, std::string> libraries; ///< name and version
 };
 
-/// Versions of the libraries that matter to a result, of MPI and of the compiler.
+/// Versions of the libraries that affect a result, of MPI and of the compiler.
 std::map<std::string, std::string> library_versions();
 
-/// The stages and the wall time as text for a restart file, and back. What cannot be read counts as no stages.
+/// Converts the stages and the wall time to text for a restart file, and back. An unreadable text gives no stages.
 std::string stages_as_text(const RunSummary& summary);
 void read_stages(const std::string& text, RunSummary& summary);
 
-/// Writes JSON in one go: a reader sees the old summary or the new one. Throws FileError.
+/// Writes JSON. A reader sees the old summary or the new one, never a part. Throws FileError.
 void write_summary(const RunSummary& summary, const std::string& file);
 } // namespace kedge

@@ -19,7 +19,7 @@ enum class CellShape : std::uint8_t
   hexahedron = 12
 };
 
-/// Named values over the points or the cells of a grid, the components of an entry next to each other.
+/// Named values on the points or the cells of a grid. The components of an entry are adjacent.
 struct DataArray
 {
   std::string name;
@@ -40,20 +40,19 @@ struct UnstructuredGrid
   std::size_t n_cells() const;
 };
 
-/// Writes a grid, compressed; `time` (s) goes with it as "TimeValue". Throws FileError.
+/// Writes a compressed grid with `time` (s) as its "TimeValue". Throws FileError.
 void write_vtu(const UnstructuredGrid& grid, const std::string& path, double time);
 
-/// Writes the file that joins `pieces` (names relative to it); `piece` is one of them and shows the arrays that all
-/// have.
+/// Writes the file that joins `pieces` (file names relative to it). `piece` is one of them; all have its arrays.
 void write_pvtu(const UnstructuredGrid& piece, const std::vector<std::string>& pieces, const std::string& path);
 
-/// The growing list of one series' files and times. The files' names end in _<step> before the extension.
+/// The growing list of files and times of one series. The files' names end in _<step> before the extension.
 class PvdSeries
 {
 public:
   explicit PvdSeries(std::string path);
 
-  /// Takes over what an earlier run wrote up to and including `step`; an absent file is an empty list.
+  /// Keeps the entries of an earlier run up to and including `step`. A missing file counts as an empty list.
   void resume_after(unsigned int step);
   /// Appends a file (named relative to the list) and rewrites the list. Throws FileError.
   void add(double time, const std::string& file);

@@ -1,4 +1,4 @@
-// Formats: how one JSON value is read, checked, described and written back. A Section binds them to keys.
+// Formats say how one JSON value is read, checked, described and written back. A Section binds them to keys.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ namespace kedge::schema
 template <typename V> struct Format
 {
   std::function<V(const Json&, const Place&)> read; ///< throws InputError
-  std::function<Json(const V&)> write;              ///< for the published default; empty where there is none
+  std::function<Json(const V&)> write;              ///< for the published default; empty if there is none
   std::string expects;                              ///< "a number above 0 (m)"
   std::string unit;                                 ///< "-": dimensionless; empty: not a quantity
   Json schema;                                      ///< JSON Schema of the value
@@ -56,7 +56,7 @@ Format<std::string> existing_file();
 /// A folder below the run's output folder.
 Format<std::string> output_folder();
 
-/// Position of `json` in `words`; throws with the nearest spelling.
+/// Position of `json` in `words`. Throws InputError, which suggests the nearest spelling.
 std::size_t read_word(const Json& json, const Place& place, const std::vector<std::string>& words);
 
 /// One of several words, each standing for a value.
@@ -126,7 +126,7 @@ template <typename V> Format<std::vector<V>> list_of(const Format<V>& entry, uns
   return format;
 }
 
-/// What the entries of a list of fixed length stand for, in 3-D and in 2-D.
+/// Length and meaning of a list of fixed length, in 3-D and in 2-D.
 struct Layout
 {
   std::size_t length_3d, length_2d;

@@ -1,4 +1,4 @@
-// What can be told from a schema alone: where its keys are, and the page of the manual.
+// Facts that follow from a schema alone: the sections of its keys, and the page of the manual.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace kedge::schema
 void for_each_section(const Json& schema,
                       const std::function<void(const std::string& path, const Json& section)>& visit);
 
-/// Paths of the sections that have a key of this name; that of the outermost is empty.
+/// Paths of the sections that have a key of this name. The path of the outermost section is empty.
 std::vector<std::string> sections_with_key(const Json& schema, const std::string& key);
 
 /// Reference of all keys in Markdown, one table per section.

@@ -1,4 +1,4 @@
-// Where in the input a value stands: the path that an error message shows, and what reading it may need to know.
+// Place of a value in the input: the path that an error message shows, and the context that reading may need.
 #pragma once
 
 #include <functional>
@@ -8,12 +8,12 @@
 
 namespace kedge::schema
 {
-/// What holds for the whole document.
+/// Facts that hold for the whole document.
 struct InputContext
 {
   unsigned int dimension = 3;
   std::string folder; ///< of the input file; paths in it are relative to this
-  /// Sections that know a key, for the hint where a misplaced key belongs; may be empty.
+  /// Sections that know a key, to tell the user where a misplaced key belongs; may be empty.
   std::function<std::vector<std::string>(const std::string& key)> sections_with_key;
 };
 
@@ -25,7 +25,7 @@ public:
 
   Place key(const std::string& name) const;
   Place entry(std::size_t position) const;
-  /// The same place with a sentence that says what the value means, which errors repeat.
+  /// The same place with a sentence that says what the value means; errors repeat it.
   Place meaning(const std::string& sentence) const;
 
   const std::string& path() const { return text; }
@@ -33,7 +33,7 @@ public:
 
   /// Throws InputError for this place.
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
-  /// Throws InputError "expected ..., found ..."; without a remedy the value's meaning is given.
+  /// Throws InputError "expected ..., found ...". Without a remedy it repeats the meaning of the value.
   [[noreturn]] void expected(const std::string& what, const std::string& found, const std::string& remedy = "") const;
 
 private:

@@ -11,7 +11,7 @@
 
 namespace kedge::schema
 {
-/// How the text of a neighbouring key decides about a key.
+/// How the value of a neighbouring key, a text, decides whether a key is allowed or required.
 struct Condition
 {
   enum class Kind
@@ -26,7 +26,7 @@ struct Condition
   std::vector<std::string> values;
 };
 
-/// All that is known of a key apart from the member it fills.
+/// Everything about a key except the member that it fills.
 struct Key
 {
   enum class Presence
@@ -38,7 +38,7 @@ struct Key
   std::string name, sentence, expects, unit;
   Presence presence = Presence::required;
   Json schema;
-  Json standard; ///< default; null where there is none to show
+  Json standard; ///< default; null if there is none to show
   Condition condition;
 
   /// The key belongs to sections in which `neighbour` has one of the values.
@@ -130,7 +130,7 @@ public:
     return add(name, presence, object, meaning, {read, {}});
   }
 
-  /// Takes up the keys of another section at this level.
+  /// Adds the keys of another section at this level.
   template <typename U> void include(const Section<U>& other, U T::*member)
   {
     for (std::size_t i = 0; i < other.keys.size(); ++i)
@@ -149,7 +149,7 @@ public:
       checks.push_back([rule, member](const T& value, const Place& place) { rule(value.*member, place); });
   }
 
-  /// A rule about several members, called after all keys were read; it throws by place.key(...).fail(...).
+  /// A rule about several members. It is called after all keys were read and throws by place.key(...).fail(...).
   void check(const Check& rule) { checks.push_back(rule); }
 
   void read(const Json& object, T& into, const Place& place) const

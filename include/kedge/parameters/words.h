@@ -6,11 +6,11 @@
 
 namespace kedge::schema
 {
-/// Fewest insertions, deletions, replacements and swaps of neighbours that turn one word into the other
-/// (optimal string alignment), blind to case and to the difference between space, "_" and "-".
+/// Smallest number of insertions, deletions, replacements and swaps of neighbours that turn one word into the other
+/// (optimal string alignment). Case does not count, nor the difference between space, "_" and "-".
 std::size_t edit_distance(const std::string& a, const std::string& b);
 
-/// The candidate that `word` most likely stands for, or an empty string where none is near.
+/// The candidate that `word` most likely stands for, or an empty string if none is near.
 std::string nearest(const std::string& word, const std::vector<std::string>& candidates);
 
 /// "x"

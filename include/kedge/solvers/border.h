@@ -1,4 +1,4 @@
-// A few unknowns beside many: dense columns and rows that border a sparse matrix.
+// A few unknowns beside many others: dense columns and rows that border a sparse matrix.
 #pragma once
 
 #include <Eigen/Core>
@@ -6,8 +6,8 @@
 
 namespace kedge
 {
-/// The system [A C; B^T R] [x; y] = [b; c] with few unknowns y, known to every rank. C and B have a column for each of
-/// them on the row map of A. Without columns the border is empty.
+/// The system [A C; B^T R] [x; y] = [b; c]. Its unknowns y are few, and every rank knows them. C and B have one column
+/// per unknown in y, on the row map of A. Without columns the border is empty.
 struct Border
 {
   Teuchos::RCP<TpetraMultiVector> columns; ///< C

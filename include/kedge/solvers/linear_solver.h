@@ -13,8 +13,8 @@ struct LinearReport
 {
   bool converged = false;
   unsigned int iterations = 0;
-  std::string method;           ///< what finally solved it
-  unsigned int escalations = 0; ///< harder methods tried after the first
+  std::string method;           ///< the method that solved the system in the end
+  unsigned int escalations = 0; ///< number of stronger methods tried after the first one
 };
 
 /// Solves A x = b for general (unsymmetric) matrices with `block_size` equations per node. The multigrid hierarchy
@@ -25,17 +25,18 @@ public:
   LinearSolver(const SolverParameters& parameters, unsigned int block_size);
   ~LinearSolver();
 
-  /// A new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns, on the row map. Where
-  /// the places of the owned nodes are given, the preconditioner is built from the NearMatrix. Collective.
+  /// Takes a matrix with a new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns,
+  /// on the row map. If the places of the owned nodes are given, the NearMatrix serves to build the preconditioner.
+  /// Collective.
   void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space,
                      const NodePlaces& places = {});
 
-  /// Solves to the given relative residual. A failed Krylov solve is repeated with a fresh hierarchy and, where the
-  /// size allows it, by a factorisation. `x` need not be set. Collective.
+  /// Solves to the given relative residual. After a failed Krylov solve it tries a new hierarchy, one with a stronger
+  /// smoother and, if the size permits, a factorisation. The initial value of `x` does not matter. Collective.
   LinearReport solve(const TpetraVector& right_side, TpetraVector& x, double relative_tolerance);
 
-  /// The same for a matrix with a border. The few unknowns y are eliminated, so GMRES sees A - C R^-1 B^T and the
-  /// multigrid is still that of A. Does not converge where R is singular. Collective.
+  /// The same for a matrix with a border. The few unknowns y are eliminated: GMRES sees A - C R^-1 B^T, the multigrid
+  /// is that of A. GMRES does not converge if R is singular. Collective.
   LinearReport solve(const TpetraVector& right_side, const Eigen::VectorXd& border_right_side, const Border& border,
                      TpetraVector& x, Eigen::VectorXd& y, double relative_tolerance);
 
@@ -44,13 +45,13 @@ private:
   std::unique_ptr<Implementation> implementation;
 };
 
-/// Solves A x = b for a symmetric, positive (semi-)definite matrix by conjugate gradients scaled with its diagonal, to
-/// a relative residual. False where they stall. Collective.
+/// Solves A x = b for a symmetric, positive (semi-)definite matrix to a relative residual, by conjugate gradients
+/// scaled with the diagonal. Returns false if they stall. Collective.
 bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& right_side,
                              TpetraVector& x, double relative_tolerance);
 
-/// Rigid body modes of nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
-/// with `constrained[dof] != 0` get next to zero. Sizes follow the row map of `map`.
+/// Rigid body modes of the nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
+/// with `constrained[dof] != 0` get almost zero. `map` has the dofs of these nodes in the same order.
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, unsigned int dim,
                                                       const std::vector<double>& position,
                                                       const std::vector<unsigned char>& constrained);

@@ -1,4 +1,4 @@
-// What the input says of the solvers.
+// What the input says about the solvers.
 #pragma once
 
 namespace kedge::schema
@@ -17,13 +17,13 @@ enum class LinearSolverChoice
 
 struct SolverParameters
 {
-  double tolerance = 1e-6; ///< residual over the soil's weight
+  double tolerance = 1e-6; ///< norm of the residual over that of the soil's weight
   unsigned int max_newton_iterations = 20;
   unsigned int max_linear_iterations = 100;
   double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;
   bool line_search = true;
   LinearSolverChoice linear_solver = LinearSolverChoice::automatic;
-  bool reuse = true;                         ///< keep the preconditioner while it still converges
+  bool reuse = true;                         ///< keep the preconditioner while that is cheaper than a new one
   double minimum_step_fraction = 1. / 4096.; ///< smallest cut of a step
 };
 

@@ -6,14 +6,15 @@
 
 namespace kedge
 {
-/// S A S, the units of rows and columns scaled away, and its factors with full pivoting.
+/// S A S, where the diagonal matrix S removes the units of rows and columns, and its factors with full pivoting.
 struct ScaledFactors
 {
   Eigen::VectorXd scaling;
   Eigen::MatrixXd matrix;
   Eigen::FullPivLU<Eigen::MatrixXd> factors;
 
-  /// Pivots below this share of the largest count as zero: a joint of 1e10 N/m beside a body of 10 N leaves 1e-9.
+  /// Pivots below this share of the largest one count as zero. A joint of 1e10 N/m and a body of 10 N have pivots as
+  /// small as 1e-9.
   static constexpr double singular_pivot = 1e-13;
 
   explicit ScaledFactors(const Eigen::MatrixXd& unscaled) : scaling(unscaled.cwiseAbs().rowwise().maxCoeff())

@@ -1,48 +1,48 @@
-// Where a stage stands, and how large its next step is.
+// Progress of a stage, and the size of its next step.
 #pragma once
 
 #include <cstdint>
 
 namespace kedge
 {
-/// What a clock has counted, in its ticks.
+/// The memory of a clock; times are in its ticks.
 struct ClockState
 {
   std::int64_t ticks_per_step = 1; ///< a power of two
-  std::int64_t position = 0;       ///< of the stage
-  std::int64_t limit = 0;          ///< of a step's size
-  unsigned int cuts = 0;           ///< of the stage
+  std::int64_t position = 0;       ///< ticks since the stage began
+  std::int64_t limit = 0;          ///< largest size of a step
+  unsigned int cuts = 0;           ///< number of cuts in the stage
   unsigned int made = 0;           ///< steps as large as the limit since it was set
-  unsigned int patience = 1;       ///< such steps before the limit doubles
-  bool on_trial = false;           ///< the limit has just doubled, and no step has been as large as it yet
+  unsigned int patience = 1;       ///< number of such steps after which the limit doubles
+  bool on_trial = false;           ///< the limit has just doubled and no step has reached it yet
 };
 
-/// Counts a stage's progress in ticks, exact fractions of a requested step, so that a stage ends where it should after
-/// any sequence of cuts. A failed step is halved; a successful one is followed by one of twice its size, up to the
-/// requested size and not across the end of a requested step. Where the larger step fails again, the smaller ones go on
-/// for longer before the next attempt: failures come in bursts, and cost more than the steps they spare.
+/// Counts the progress of a stage in ticks. Ticks are exact fractions of a requested step, so the stage ends at the
+/// right time after any sequence of cuts. A failed step is halved. After a successful one the size doubles, up to the
+/// requested size and not across the end of a requested step. If the larger step fails again, more small steps follow
+/// before the next attempt: failures come in bursts and cost more than larger steps save.
 class Clock
 {
 public:
-  /// `n_steps` requested steps, cut down to no less than `minimum_fraction` of one. A part of a step at the end is
-  /// rounded to that fraction.
+  /// `n_steps`: requested steps; `minimum_fraction`: smallest share of a requested step that a cut leaves. An
+  /// incomplete step at the end is rounded to a multiple of that share.
   Clock(double n_steps, double minimum_fraction);
 
   bool at_end() const { return now.position == end; }
   /// Size of the current step as a fraction of a requested one.
   double step_fraction() const { return static_cast<double>(size) / now.ticks_per_step; }
-  /// Progress of the stage in requested steps: where it is, and where the current step ends.
+  /// Progress of the stage in requested steps, before and after the current step.
   double steps_done() const { return static_cast<double>(now.position) / now.ticks_per_step; }
   double steps_after() const { return static_cast<double>(now.position + size) / now.ticks_per_step; }
   double requested_steps() const { return static_cast<double>(end) / now.ticks_per_step; }
   unsigned int cuts() const { return now.cuts; }
 
   ClockState state() const { return now; }
-  /// Goes on where another clock of the same stage was, or of one that ended earlier or had another smallest step.
+  /// Continues from the state of another clock of the same stage, which may have had another end or smallest step.
   void resume(const ClockState& state);
 
   void advance();
-  /// Halves the step; false where it is already the smallest allowed.
+  /// Halves the step. Returns false if it is already the smallest allowed.
   bool cut();
 
 private:

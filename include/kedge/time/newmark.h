@@ -1,4 +1,4 @@
-// Newmark's integrator (Newmark 1959, J. Eng. Mech. Div. ASCE 85(3)) as functions of a step's displacement.
+// Newmark's integrator (Newmark 1959, J. Eng. Mech. Div. ASCE 85(3)) as functions of the displacement in a step.
 #pragma once
 
 #include <kedge/base/kokkos.h>
@@ -6,7 +6,7 @@
 namespace kedge
 {
 /// One step of length dt (s). Unconditionally stable for 2 beta >= gamma >= 1/2; gamma > 1/2 damps high frequencies.
-/// A dt of 0 means statics: there is no acceleration then.
+/// dt = 0 means statics, without acceleration.
 struct Newmark
 {
   double beta = 0.25, gamma = 0.5, dt = 0.;
@@ -14,18 +14,18 @@ struct Newmark
   KEDGE_FUNCTION bool is_dynamic() const { return dt > 0.; }
   /// d acceleration / d displacement, 1/s2.
   KEDGE_FUNCTION double stiffness_factor() const { return 1. / (beta * dt * dt); }
-  /// Acceleration at the end (m/s2) for the displacement of the step (m), velocity and acceleration at its start.
+  /// Acceleration at the end (m/s2) for the displacement in the step (m) and velocity and acceleration at its start.
   template <typename T>
   KEDGE_FUNCTION T acceleration(const T& displacement, const T& velocity, const T& acceleration) const
   {
     return (displacement - dt * velocity - dt * dt * (0.5 - beta) * acceleration) * stiffness_factor();
   }
-  /// What the step adds to the velocity, m/s.
+  /// Change of the velocity in the step, m/s.
   template <typename T> KEDGE_FUNCTION T velocity_change(const T& start_acceleration, const T& end_acceleration) const
   {
     return dt * ((1. - gamma) * start_acceleration + gamma * end_acceleration);
   }
-  /// Displacement with which the acceleration does not change.
+  /// Displacement for which the acceleration does not change, m.
   template <typename T> KEDGE_FUNCTION T free_flight(const T& velocity, const T& acceleration) const
   {
     return dt * velocity + 0.5 * dt * dt * acceleration;

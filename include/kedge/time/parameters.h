@@ -1,4 +1,4 @@
-// What the input says of the stepping of one stage.
+// What the input says about the steps of one stage.
 #pragma once
 
 #include <string>
@@ -36,12 +36,12 @@ struct SteppingParameters
   double cfl = 0.8, damping = 0., mass_scaling = 1.; ///< explicit
 };
 
-/// As inputs name it.
+/// The word for it in the input.
 std::string name_of(StageType type);
 
 /// Number of requested steps of a stage; the last one is shorter where "final time" is not a multiple of "dt".
 double requested_steps(const SteppingParameters& stepping);
-/// The same, a shorter last one counted whole.
+/// The same as a whole number: a shorter last step counts as one.
 unsigned int count_steps(const SteppingParameters& stepping);
 /// Length of a requested step: s, or a fraction of the load in static stages.
 double step_length(const SteppingParameters& stepping);

@@ -32,7 +32,7 @@ inline MaterialParameters softening_soil()
   return parameters;
 }
 
-/// What the kernels and the system need of particles that are where they should be.
+/// The data of correctly placed particles that the kernels and the system need.
 template <int dim> struct Discretisation
 {
   Discretisation(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)

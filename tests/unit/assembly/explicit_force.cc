@@ -122,7 +122,7 @@ TYPED_TEST(ExplicitForce, PlasticSoilRemembersItsPath)
   EXPECT_LT(this->difference(this->follow(block, {0.25, 0.5, 0.75, 1.}, {}), straight), 0.2);
 }
 
-/// Sum of the masses: that of the particles, and more where a least share is asked for.
+/// Sum of the nodal masses: the mass of the particles, or more with a least share.
 TYPED_TEST(ExplicitForce, LumpedMassIsThatOfTheSoil)
 {
   const test::Block<TypeParam::value> block(test::soil_material<Elastic>());

@@ -8,7 +8,7 @@ using test::on_host;
 
 namespace
 {
-/// The stabilised faces of a block, its numbering widened by their nodes.
+/// The stabilised faces of a block, and a numbering that includes their nodes.
 template <int dim> struct StabilisedBlock
 {
   explicit StabilisedBlock(const MPI_Comm communicator = MPI_COMM_WORLD)

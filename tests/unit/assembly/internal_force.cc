@@ -40,7 +40,7 @@ TYPED_TEST(InternalForce, DoesNotChangeInATranslation)
 
 TYPED_TEST(InternalForce, TurnsWithARotationOf30Degrees)
 {
-  // about an axis along y in space, in the plane in 2-D
+  // rotation about y in 3-D, within the plane in 2-D
   constexpr int dim = TypeParam::value;
   const double c = std::cos(M_PI / 6.), s = std::sin(M_PI / 6.);
   constexpr unsigned int first = 0, second = dim - 1;

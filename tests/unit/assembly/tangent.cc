@@ -35,7 +35,7 @@ public:
     return y;
   }
 
-  /// Largest difference between the tangent and differences of the force, in random directions, relative to the former.
+  /// Largest error of the tangent against differences of the force in random directions, relative to the tangent.
   double error_against_differences(const double strain)
   {
     const TpetraVector increment = block->parts->owned(*system, block->random_field(strain, 1));
@@ -92,7 +92,7 @@ TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheMohrCoulombForce)
   const auto [plastic, tensile] = this->count_plastic_and_tensile();
   EXPECT_GT(plastic, this->block->particles.n_global() / 10);
   EXPECT_LT(plastic, this->block->particles.n_global());
-  EXPECT_EQ(tensile, 0); // an apex would keep a residual stiffness that differences do not see
+  EXPECT_EQ(tensile, 0); // at an apex the tangent keeps a residual stiffness that differences do not have
 }
 
 TYPED_TEST(TangentMatrix, IsTheDerivativeOfTheElasticForceWithFBar)
@@ -140,7 +140,7 @@ TYPED_TEST(TangentMatrix, SeesNoRigidBodyModesWithoutStress)
 
 TYPED_TEST(TangentMatrix, IsThatOfOneRank)
 {
-  // the reference sums over the particles of a mesh that this rank has for itself, without any matrix
+  // The reference sums over the particles of a mesh that is this rank's alone, without any matrix.
   constexpr int dim = TypeParam::value;
   this->use(test::soil_material<MohrCoulomb>());
   const auto increment = this->block->random_field(5e-3, 1), direction = this->block->random_field(1., 50);

@@ -1,4 +1,4 @@
-// F-bar: what it changes and what it leaves alone; its tangent is tested in tangent.cc.
+// F-bar: what it changes and what it must not change. tangent.cc tests its tangent.
 #include "block.h"
 #include <gtest/gtest.h>
 #include <kedge/assembly/volume_average.h>
@@ -104,7 +104,7 @@ TYPED_TEST(FBar, GivesTheParticlesOfACellOneVolumeChangeAndKeepsItsVolume)
 
 TYPED_TEST(FBar, LeavesInvertedParticlesOutOfTheMean)
 {
-  // the neighbours of one node pulled far away: some particles are inverted, the others of their cells keep a mean
+  // One node is pulled far away: some particles are inverted, the others of their cells still have a mean.
   constexpr int dim = TypeParam::value;
   const auto pulled = [](const std::array<double, dim>& x, const unsigned int d)
   {

@@ -16,7 +16,7 @@ struct Parcel
 
 TEST(ExchangeBetweenRanks, DeliversEachParcelToItsRank)
 {
-  // rank r sends r + s + 1 parcels to rank s
+  // Rank r sends r + s + 1 parcels to rank s.
   const int rank = rank_of(world), size = size_of(world);
   std::vector<std::vector<Parcel>> out(size);
   for (int to = 0; to < size; ++to)

@@ -8,9 +8,9 @@ using namespace kedge;
 
 namespace
 {
-Progress halfway()
+ProgressLine halfway()
 {
-  Progress state;
+  ProgressLine state;
   state.stage = 2;
   state.n_stages = 3;
   state.time = 0.5;
@@ -24,7 +24,7 @@ Progress halfway()
   return state;
 }
 
-/// What a report that speaks on this rank prints.
+/// Text that a report prints if it speaks on this rank.
 template <typename Action> std::string printed(const bool quiet, const Action& action)
 {
   testing::internal::CaptureStdout();
@@ -43,7 +43,7 @@ TEST(ProgressLine, ShowsStageBarTimeAndCounts)
 
 TEST(ProgressLine, StopsAtAHundredPercent)
 {
-  Progress state = halfway();
+  ProgressLine state = halfway();
   state.time = 1.5;
   EXPECT_NE(format_progress(state).find("████████████ 100.0%"), std::string::npos);
 }
@@ -53,7 +53,7 @@ TEST(Report, PrintsOneLinePerPercentIntoAFile)
   const std::string text = printed(false,
                                    [](Report& report)
                                    {
-                                     Progress state = halfway();
+                                     ProgressLine state = halfway();
                                      for (const double time : {0.500, 0.501, 0.509, 0.511})
                                      {
                                        state.time = time;
@@ -68,7 +68,7 @@ TEST(Report, StartsAnewWithEachStage)
   const std::string text = printed(false,
                                    [](Report& report)
                                    {
-                                     Progress state = halfway();
+                                     ProgressLine state = halfway();
                                      report.progress(state);
                                      state.stage = 3;
                                      report.progress(state);

@@ -137,7 +137,7 @@ TYPED_TEST(GhostFacesOfRandomSoil, LeaveLinearFieldsAlone)
 
 TYPED_TEST(GhostFacesOfRandomSoil, CountTheSoilOfAllRanks)
 {
-  // boxes of about half a cell at random places: some reach into the neighbours, of other ranks too
+  // Boxes of about half a cell at random places: some reach into neighbours, also those of other ranks.
   constexpr int dim = TypeParam::value;
   const auto make_boxes = [](const LeafTable<dim>& table)
   {
@@ -209,7 +209,7 @@ public:
                        [](const double x) { return std::abs(x - 2. * size) < hair; });
   }
 
-  /// Number of faces if the cell in the middle differs from all others, which are full.
+  /// Number of faces if the middle cell differs from all other cells, which are full.
   long long count_faces(const Fill middle) const
   {
     const auto fill = [middle](const Leaf<dim>& leaf) { return is_middle(leaf) ? middle : Fill::full; };

@@ -1,4 +1,4 @@
-// Soil in random cells, and the faces to be stabilised by a literal reading of their definition.
+// Soil in random cells, and the stabilised faces, found by a literal reading of their definition.
 #pragma once
 
 #include "../mesh/refined_mesh.h"
@@ -104,7 +104,7 @@ double energy(const LeafTable<dim>& table, const HostGhostFaces& faces, const st
   return sum_over_ranks(sum, MPI_COMM_WORLD);
 }
 
-/// The definition read literally, leaf by leaf, on a mesh that this rank has for itself.
+/// The literal definition, leaf by leaf, on a mesh that is this rank's alone.
 template <int dim> class Reference
 {
 public:

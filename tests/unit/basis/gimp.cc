@@ -190,7 +190,7 @@ TYPED_TEST(Gimp, HangingNodesNeverAppear)
 
 TYPED_TEST(Gimp, ChangesContinuouslyAsABoxSlidesAcrossAFace)
 {
-  // both sides of the box and its centre are carried across the lower face of its leaf, along each axis
+  // Along each axis, both sides of the box and its centre move across the lower face of its leaf.
   constexpr int dim = TypeParam::value;
   constexpr double hair = 1e-8;
   test::RankRandom random(4);
@@ -258,7 +258,7 @@ TYPED_TEST(Gimp, ABoxWithinItsLeafSeesTheShapeFunctionsAtItsCentre)
 
 TEST(GimpOnRegularCells, ABoxEndingOnAFaceActivatesNoSlivers)
 {
-  // 0.1 is no binary number: the sides of the boxes miss the faces by round-off
+  // 0.1 has no exact binary form: the sides of the boxes miss the faces by round-off.
   for (const double size : {0.1, 0.3, 0.7})
   {
     BackgroundMesh<3> mesh(MPI_COMM_SELF, test::make_brick<3>({{7, 5, 3}}, size));

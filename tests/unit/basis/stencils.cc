@@ -44,7 +44,7 @@ public:
     return build_stencils<dim>(this->mesh.leaves(), centre, half_width, leaf, point_basis);
   }
 
-  /// Backwards, so that the order of nodes within a pattern has to change.
+  /// Numbers in reverse order, so that the order of nodes within a pattern must change.
   std::vector<unsigned int> renumbering() const
   {
     std::vector<unsigned int> number(this->mesh.leaves().node_ids.size());
@@ -227,7 +227,7 @@ public:
 
   ActiveNumbers()
   {
-    // each rank uses the nodes of some of its leaves, so that the owner of a node may not use it itself
+    // Each rank uses the nodes of some of its leaves only, so the owner of a node may not use it.
     const LeafTable<dim>& table = this->mesh.leaves();
     used.assign(table.node_ids.size(), 0);
     for (const auto& leaf : table.leaves)

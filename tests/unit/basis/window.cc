@@ -1,4 +1,4 @@
-// At the planes of the moving window the basis ends as it does at the grid's faces.
+// At the planes of the moving window the basis ends in the same way as at the faces of the grid.
 #include "../mesh/refined_mesh.h"
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -108,7 +108,7 @@ TYPED_TEST(BasisInWindow, NamesNoNodesBeyondThePlanes)
 
 TYPED_TEST(BasisInWindow, HasNoBoundaryCellsAtThePlanes)
 {
-  // the soil fills the window, and beyond it there is no neighbour
+  // The soil fills the window, and cells beyond it are no neighbours.
   const auto contents = this->contents();
   for (std::size_t i = 0; i < contents.size(); ++i)
   {

@@ -1,4 +1,4 @@
-// Explicit motion of rigid points: kicks by loads, drifts under joints.
+// Explicit motion of rigid points: loads kick them, then they drift under their joints.
 #include "rigid_fixtures.h"
 #include <kedge/bodies/explicit_motion.h>
 
@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 const Vector3d down(0., 0., -gravity);
 
-/// One step of `n` small ones, of `dt` each, under loads that depend on where the points are.
+/// One step that consists of `n` small ones of length `dt`, under loads that depend on the positions of the points.
 template <typename Loads>
 void step_explicitly(RigidSystems& systems, const unsigned int n, const double dt, const Vector3d& weight,
                      const Loads& loads, const bool begins_stage = false)
@@ -40,7 +40,7 @@ TEST(ExplicitMotion, FallsAndSpinsExactly)
   EXPECT_NEAR(body.pose.rotation.angularDistance(rotation_from_vector({0., 0., 7. - 2. * M_PI})), 0., 1e-10);
 }
 
-/// Whatever its accelerations were before the stage.
+/// The accelerations before the stage must not matter.
 TEST(ExplicitMotion, ATumblingBodyKeepsItsAngularMomentumFromTheFirstStepOn)
 {
   RigidSystems systems = chain({point_at({}, true, 5., {1., 2., 3.})}, {});
@@ -67,7 +67,7 @@ TEST(ExplicitMotion, PrescribedPointsMoveEvenlyAndAreNotKicked)
 }
 
 /// Velocity Verlet turns the phase of an oscillator by 2 asin(omega dt / 2) in a time step.
-TEST(ExplicitMotion, ABodyOnASpringSwingsAsVelocityVerletHasIt)
+TEST(ExplicitMotion, ABodyOnASpringSwingsWithThePhaseOfVelocityVerlet)
 {
   const double mass = 5., stiffness = 2000., omega = std::sqrt(stiffness / mass), dt = 1.2 / omega;
   RigidSystems systems = chain({point_at({0.1, 0., 0.}, true, mass)}, {});

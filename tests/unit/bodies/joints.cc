@@ -9,15 +9,15 @@ using Eigen::Vector3d;
 
 constexpr double degree = M_PI / 180.;
 
-const std::vector<std::pair<std::string, ConstraintParameters>>& every_joint()
+const std::vector<std::pair<std::string, JointParameters>>& every_joint()
 {
   static const auto joints = []
   {
-    ConstraintParameters oblique_hinge = hinge({0.3, 0.2, -0.4}, 2e3, 5e3);
+    JointParameters oblique_hinge = hinge({0.3, 0.2, -0.4}, 2e3, 5e3);
     oblique_hinge.direction_1 = oblique_hinge.direction_2 = {1., 2., -0.5};
-    ConstraintParameters oblique_stop = stop({0.3, 0.2, -0.4}, {1., 0.5, 0.3}, 20., 3e3);
+    JointParameters oblique_stop = stop({0.3, 0.2, -0.4}, {1., 0.5, 0.3}, 20., 3e3);
     oblique_stop.position_2 = {0.9, 0.8, -0.1};
-    return std::vector<std::pair<std::string, ConstraintParameters>>{
+    return std::vector<std::pair<std::string, JointParameters>>{
         {"ball", ball({0.3, 0.2, -0.4}, 1e3)},
         {"hinge", oblique_hinge},
         {"rod", rod({1.2, 0.1, 0.4}, {2., -0.5, 1.}, 1.1, 2e3)},
@@ -27,7 +27,7 @@ const std::vector<std::pair<std::string, ConstraintParameters>>& every_joint()
   return joints;
 }
 
-/// Two points apart from the anchors, already turned, so that the tangents see any orientation.
+/// Two points away from the anchors and already turned, so that the tangents are tested at a general orientation.
 std::array<Pose, 2> turned_poses()
 {
   std::array<Pose, 2> poses;
@@ -38,7 +38,7 @@ std::array<Pose, 2> turned_poses()
   return poses;
 }
 
-Joint joint_of(const ConstraintParameters& parameters)
+Joint joint_of(const JointParameters& parameters)
 {
   return make_joint(parameters, {point_at({1., -0.2, 0.3}, true), point_at({1.9, 0.1, 0.6}, true)}, 0, 3);
 }
@@ -55,7 +55,7 @@ JointResponse response_at(const Joint& joint, const std::array<Pose, 2>& start, 
   return evaluate_joint(joint, start, {Vector6(y.head<6>()), Vector6(y.tail<6>())});
 }
 
-/// Increments that turn by `angle` (rad) about different axes.
+/// Increments of two points that turn by `angle` (rad) about different axes.
 Vector12 large_increments(const double angle)
 {
   return both({increment({0.1, -0.2, 0.15}, angle * Vector3d(0.6, 0., -0.8)),
@@ -112,8 +112,8 @@ TEST(Joint, StartsRelaxedWhereItIsDrawn)
   SystemParameters lone, system;
   lone.points = {point_at({0., 0., 0.}, true)};
   system.points = {point_at({1., 2., 3.}, true), point_at({2., 2., 4.}, true)};
-  system.constraints = {ball({1.5, 2., 3.}, 1e3), hinge({1.5, 2., 3.}, 1e3, 1e3),
-                        rod({1., 2., 3.5}, {4., 2., 7.5}, 5., 1e3), stop({1.5, 2., 3.}, {3., 2., 3.}, 30., 1e3)};
+  system.joints = {ball({1.5, 2., 3.}, 1e3), hinge({1.5, 2., 3.}, 1e3, 1e3), rod({1., 2., 3.5}, {4., 2., 7.5}, 5., 1e3),
+                   stop({1.5, 2., 3.}, {3., 2., 3.}, 30., 1e3)};
   system.offset = {10., 20., 30.};
   const RigidSystems systems = make_rigid_systems({lone, system}, 3);
   ASSERT_EQ(systems.joints.size(), 4u);
@@ -146,8 +146,8 @@ TEST(Hinge, TurnsFreelyAboutItsAxisOnly)
   const std::array<Pose, 2> start{};
   for (const double sense : {1., -1.})
   {
-    ConstraintParameters parameters = hinge({0.5, 0., 0.}, 1e9, 1e8);
-    parameters.direction_2[1] = sense; // an axis has no sense
+    JointParameters parameters = hinge({0.5, 0., 0.}, 1e9, 1e8);
+    parameters.direction_2[1] = sense; // only the line of an axis counts
     const Joint joint = make_joint(parameters, {point_at({}, true), point_at({}, true)}, 0, 3);
     const auto energy = [&](const Vector3d& theta) {
       return evaluate_joint(joint, start, {Vector6::Zero(), turn_about(start[1], {0.5, 0., 0.}, theta)}).energy;
@@ -222,7 +222,7 @@ struct AnchorStop
   }
 };
 
-TEST(Stop, IsSlackUpToItsAngleEitherWay)
+TEST(Stop, IsSlackUpToItsAngleOnEitherSide)
 {
   const AnchorStop anchor;
   for (const double side : {1., -1.})
@@ -263,7 +263,7 @@ TEST(Stop, StiffnessIsContinuousAtTheLimit)
 
 TEST(Stop, UnequalArmsEncloseTheLimit)
 {
-  ConstraintParameters parameters = stop({0., 0., 0.}, {0.2, 0., 0.}, 50., 1e6);
+  JointParameters parameters = stop({0., 0., 0.}, {0.2, 0., 0.}, 50., 1e6);
   parameters.position_2 = {0.4, 0., 0.};
   const Joint joint = make_joint(parameters, {point_at({}, true), point_at({}, true)}, 0, 3);
   const auto force = [&](const double angle)

@@ -1,4 +1,4 @@
-// Bodies on joints against known motions. Joints are as stiff as in the scenes: 1e9 N/m beside masses of 1e3 kg.
+// Bodies on joints, compared with known motions. Joints are as stiff as in the scenes: 1e9 N/m for masses of 1e3 kg.
 #include "rigid_fixtures.h"
 
 namespace kedge
@@ -16,7 +16,7 @@ struct Pendulum
   double period() const { return 2. * M_PI * std::sqrt((inertia + mass * arm * arm) / (mass * gravity * arm)); }
 
   /// Hanging at `angle` (rad) from the vertical, on a held point.
-  RigidSystems hung(const ConstraintParameters& joint, const double angle, const unsigned int dim = 3) const
+  RigidSystems hung(const JointParameters& joint, const double angle, const unsigned int dim = 3) const
   {
     const double x = arm * std::sin(angle), z = -arm * std::cos(angle);
     return chain(
@@ -27,7 +27,7 @@ struct Pendulum
 };
 
 const Pendulum shank{2116.7, 1350., 1.272}, fluke{6583.2, 1100., 0.131};
-const ConstraintParameters stiff_hinge = hinge({}, 1e9, 1e8);
+const JointParameters stiff_hinge = hinge({}, 1e9, 1e8);
 
 /// Mean period over the crossings of the vertical in `n_steps`, s.
 double measured_period(RigidSystems& systems, const RigidStep& step, const unsigned int n_steps)
@@ -83,7 +83,7 @@ TEST(Pendulum, NeverGainsEnergy)
 
 TEST(Pendulum, NewtonNeedsFewIterations)
 {
-  // With a gamma of 1/2 larger steps than these feed the stiffest oscillation until it takes over.
+  // With gamma = 1/2, larger steps than these let the stiffest oscillation grow until it dominates.
   for (const auto& [gamma, dt] :
        {std::array{0.5, 0.005}, std::array{0.5, 0.02}, std::array{1., 0.005}, std::array{1., 0.08}})
   {
@@ -94,7 +94,7 @@ TEST(Pendulum, NewtonNeedsFewIterations)
 
 TEST(Pendulum, HangsStillAtEquilibrium)
 {
-  // from where its relaxed hinge has no stiffness at all against its falling
+  // Start where the relaxed hinge has no stiffness at all against a fall.
   for (const double angle : {0., 0.3, 1.5})
   {
     RigidSystems systems = shank.hung(stiff_hinge, angle);
@@ -128,14 +128,14 @@ TEST(Pendulum, HangsFromAMovingPoint)
 
 TEST(Pendulum, HangsFromARodThatHoldsItByTensionAlone)
 {
-  // A relaxed rod stiffens its own line only, and a taut one does not mind bodies that spin about it.
+  // A relaxed rod is stiff along its own line only, and a taut one does not resist bodies that spin about it.
   RigidSystems systems =
       chain({point_at({}, false), point_at({0., 0., -1.}, true, 10.)}, {rod({}, {0., 0., -1.}, 1., 1e9)});
-  const double x = 0.6; // of 1: drawn upright, then carried aside
+  const double x = 0.6; // of a length of 1: drawn upright, then moved aside
   systems.points[1].pose.position = {x, 0., -std::sqrt(1. - x * x)};
   systems.points[1].pose.rotation = rotation_from_vector({0., -std::asin(x), 0.});
   advance(systems, dynamic_step(0., 0.25, 0.5));
-  // aside by no more than the tolerance of the force over a stiffness of weight / length
+  // The error is at most the tolerance of the force over the stiffness, weight / length.
   EXPECT_NEAR((systems.points[1].pose.position - Vector3d(0., 0., -1. - 98.1e-9)).norm(), 0., 1e-7);
 }
 
@@ -188,7 +188,7 @@ double double_pendulum_error(const double dt)
        point_at(along(start[1], pendulum.lower.arm, pin), true, pendulum.lower.mass, {i2, i2, i2})},
       {hinge({}, 1e9, 1e8), hinge(pin, 1e9, 1e8)});
   advance(systems, dynamic_step(dt, 0.25, 0.5), std::lround(2. / dt));
-  // turning about +y lets the angle, from -z towards +x, fall
+  // A turn about +y reduces the angle, which counts from -z towards +x.
   return std::hypot(start[0] - turned_about_y(systems.points[1]) - exact[0],
                     start[1] - turned_about_y(systems.points[2]) - exact[1]);
 }
@@ -216,7 +216,7 @@ TEST(Top, PrecessesByItsWeight)
 }
 
 /// Two bodies that turn and fly apart on one joint; no weight.
-RigidSystems tied_pair(const ConstraintParameters& joint)
+RigidSystems tied_pair(const JointParameters& joint)
 {
   RigidSystems systems = chain({point_at({-1., 0., 0.}, true, 1000., {300., 200., 100.}),
                                 point_at({1., 0.2, 0.}, true, 500., {50., 100., 120.})},
@@ -228,7 +228,7 @@ RigidSystems tied_pair(const ConstraintParameters& joint)
 
 TEST(TiedBodies, KeepTheirMomentum)
 {
-  for (const ConstraintParameters& joint :
+  for (const JointParameters& joint :
        {ball({0., 0.1, 0.}, 1e5), hinge({0., 0.1, 0.}, 1e5, 1e5), rod({-0.5, 0., 0.2}, {0.7, 0., 0.}, 1.2, 1e5),
         stop({0., 0.1, 0.}, {0.4, 0.2, 0.}, 10., 1e5)})
   {
@@ -252,8 +252,8 @@ RigidSystems anchor()
   SystemParameters system;
   system.points = {point_at({1.7592, 0., 0.}, false, 1058.4),
                    point_at({0.62, 0., 0.}, true, 3291.6, {275., 275., 275.})};
-  system.constraints = {hinge({0.489, 0., 0.}, 1e9, 1e8), stop({0.489, 0., 0.}, {0.62, 0., 0.}, 35., 8.5814e9)};
-  for (ConstraintParameters& joint : system.constraints)
+  system.joints = {hinge({0.489, 0., 0.}, 1e9, 1e8), stop({0.489, 0., 0.}, {0.62, 0., 0.}, 35., 8.5814e9)};
+  for (JointParameters& joint : system.joints)
     joint.points = {1, 2};
   return make_rigid_systems({system}, 3);
 }
@@ -270,7 +270,7 @@ TEST(Anchor, FlukeFallsIntoItsStop)
                 [&](double) { widest = std::max(widest, turned_about_y(systems.points[1])); });
     EXPECT_LE(iterations, 8u);
     EXPECT_NEAR(turned_about_y(systems.points[1]), limit, 0.05 * M_PI / 180.);
-    // Pin and stop in line stretch at most until they hold the whole energy of the fall.
+    // Pin and stop act in series. They stretch at most until they hold the whole energy of the fall.
     const double fall = 3291.6 * gravity * 0.131 * std::sin(limit);
     const double stretch = std::sqrt(2. * fall * (1. / 1e9 + 1. / 8.5814e9));
     EXPECT_LT(widest, limit + stretch / (0.131 * std::cos(limit / 2.)));
@@ -288,16 +288,16 @@ TEST(Anchor, FollowsThePullOfItsLine)
     for (unsigned int dof : {1, 3, 5}) // plane of symmetry
       system.points[point].conditions[dof].kind = Kind::fixed;
   system.points[2].conditions[0] = {Kind::prescribed, 0.008};
-  system.constraints = {hinge({0.489, 0., 0.}, 1e9, 1e8), stop({0.489, 0., 0.}, {0.62, 0., 0.}, 35., 8.5814e9),
-                        rod({3.0294, 0., 0.}, {12.5294, 0., 0.}, 9.5, 1.0526e9)};
-  system.constraints[0].points = system.constraints[1].points = {1, 2};
-  system.constraints[2].points = {2, 3};
+  system.joints = {hinge({0.489, 0., 0.}, 1e9, 1e8), stop({0.489, 0., 0.}, {0.62, 0., 0.}, 35., 8.5814e9),
+                   rod({3.0294, 0., 0.}, {12.5294, 0., 0.}, 9.5, 1.0526e9)};
+  system.joints[0].points = system.joints[1].points = {1, 2};
+  system.joints[2].points = {2, 3};
   system.offset = {1., 0., 0.};
   RigidSystems systems = make_rigid_systems({system}, 3);
-  systems.points[1].velocity[2] = 0.05; // a knock, so that line and hinge turn
+  systems.points[1].velocity[2] = 0.05; // a knock that turns line and hinge
   const double start = systems.points[0].pose.position[0], momentum_before = total_momentum(systems)[0];
   RigidStep step = dynamic_step(0.08, 0.5, 1.);
-  step.gravity = {-gravity, 0., 0.}; // weight in place of the soil's resistance keeps the line taut
+  step.gravity = {-gravity, 0., 0.}; // weight replaces the soil's resistance and keeps the line taut
   const double weight = (3291.6 + 1058.4 + 1.) * gravity;
   double impulse = 0.;
   for (int i = 0; i < 250; ++i)

@@ -1,4 +1,4 @@
-// Free bodies, tangents and what holds bodies: everything about the time integration that needs no pendulum.
+// Free bodies, tangents and reactions: all tests of the time integration that need no pendulum.
 #include "rigid_fixtures.h"
 
 namespace kedge
@@ -39,7 +39,8 @@ TEST(RigidMotion, SpinAboutAPrincipalAxisIsExact)
     RigidSystems systems = lone_body({1., 2., 3.}, Vector6::Zero());
     RigidPoint& body = systems.points[0];
     body.pose.rotation = rotation_from_vector({0.3, -0.4, 0.5});
-    const Vector3d spin = body.pose.rotation * Vector3d(0., 0., 7.); // about the middle axis it would tumble
+    const Vector3d spin =
+        body.pose.rotation * Vector3d(0., 0., 7.); // not about the middle axis, where the spin is unstable
     body.velocity.tail<3>() = spin;
     const Eigen::Quaterniond start = body.pose.rotation;
     for (int i = 0; i < 1000; ++i)
@@ -103,9 +104,9 @@ RigidSystems mechanism()
   points[2].conditions[4] = {Kind::prescribed, -0.3};
   SystemParameters system;
   system.points = points;
-  system.constraints = {hinge({0.4, 0.1, 0.}, 1e3, 4e2), stop({0.4, 0.1, 0.}, {0.9, 0.3, 0.2}, 5., 6e2),
-                        rod({1.3, 0., 0.}, {2.2, 0.1, 0.3}, 0.9, 8e2), ball({2., 0., 0.2}, 5e2)};
-  system.constraints[2].points = system.constraints[3].points = {2, 3};
+  system.joints = {hinge({0.4, 0.1, 0.}, 1e3, 4e2), stop({0.4, 0.1, 0.}, {0.9, 0.3, 0.2}, 5., 6e2),
+                   rod({1.3, 0., 0.}, {2.2, 0.1, 0.3}, 0.9, 8e2), ball({2., 0., 0.2}, 5e2)};
+  system.joints[2].points = system.joints[3].points = {2, 3};
   RigidSystems systems = make_rigid_systems({system}, 3);
   for (unsigned int i = 0; i < 3; ++i)
   {
@@ -141,7 +142,7 @@ TEST(RigidBalance, TangentIsTheDerivative)
           (rigid_balance(systems, step, ahead, loads).residual - rigid_balance(systems, step, behind, loads).residual) /
           (2. * h);
     }
-    // column by column, so that stiff joints do not hide the inertia of others
+    // Compare column by column, so that stiff joints do not hide the inertia of other bodies.
     for (unsigned int j = 0; j < dofs.size(); ++j)
       EXPECT_LT((balance.tangent.col(j) - differences.col(j)).norm(), 1e-6 * differences.col(j).norm())
           << j << ' ' << dt;
@@ -152,7 +153,7 @@ TEST(RigidBalance, InertiaTangentOfALoneBodyIsTheDerivative)
 {
   constexpr double h = 1e-5;
   RigidSystems systems = lone_body({1., 2., 3.}, increment({0.5, -1., 2.}, {3., -2., 1.}));
-  systems.points[0].conditions[4].kind = DofCondition::Kind::fixed; // held and free rotations have their own rates
+  systems.points[0].conditions[4].kind = DofCondition::Kind::fixed; // held and free rotations have different rates
   const RigidStep step = dynamic_step(0.1, 0.3, 0.7);
   for (const double angle : {0., 0.5, 1.2})
   {
@@ -183,7 +184,7 @@ TEST(RigidBalance, ConditionsAnswerLoadsAndWeight)
   const RigidSystems systems = chain({point_at({}, false, 2.)}, {});
   RigidStep step = dynamic_step(0., 0.25, 0.5);
   const Vector6 load = increment({1., 2., 3.}, {4., 5., 6.});
-  // also where the point turns in the step: moments stay about world axes
+  // The same if the point turns in the step: moments stay about world axes.
   const std::vector<Vector6> increments = {increment(Vector3d::Zero(), {0.5, -0.3, 0.8})};
   const Vector6 reaction = rigid_reactions(systems, rigid_balance(systems, step, increments, {load}), increments)[0];
   EXPECT_NEAR((reaction - increment({-1., -2., 2. * gravity - 3.}, {-4., -5., -6.})).norm(), 0., 1e-12);

@@ -1,4 +1,4 @@
-// Points and joints to build small mechanisms from.
+// Points and joints for small mechanisms.
 #pragma once
 
 #include <algorithm>
@@ -30,20 +30,20 @@ inline PointParameters point_at(const std::array<double, 3>& position, bool free
   return point;
 }
 
-inline ConstraintParameters ball(const std::array<double, 3>& at, double stiffness)
+inline JointParameters ball(const std::array<double, 3>& at, double stiffness)
 {
-  ConstraintParameters joint;
-  joint.type = ConstraintType::coincidence;
+  JointParameters joint;
+  joint.type = JointType::ball;
   joint.position_1 = joint.position_2 = at;
   joint.stiffness = stiffness;
   return joint;
 }
 
 /// A hinge about y.
-inline ConstraintParameters hinge(const std::array<double, 3>& at, double stiffness, double rotational_stiffness)
+inline JointParameters hinge(const std::array<double, 3>& at, double stiffness, double rotational_stiffness)
 {
-  ConstraintParameters joint;
-  joint.type = ConstraintType::rotation_lock;
+  JointParameters joint;
+  joint.type = JointType::hinge;
   joint.rotation_centre = at;
   joint.direction_1 = joint.direction_2 = {0., 1., 0.};
   joint.stiffness = stiffness;
@@ -51,11 +51,11 @@ inline ConstraintParameters hinge(const std::array<double, 3>& at, double stiffn
   return joint;
 }
 
-inline ConstraintParameters rod(const std::array<double, 3>& from, const std::array<double, 3>& to, double length,
-                                double stiffness)
+inline JointParameters rod(const std::array<double, 3>& from, const std::array<double, 3>& to, double length,
+                           double stiffness)
 {
-  ConstraintParameters joint;
-  joint.type = ConstraintType::distance_lock;
+  JointParameters joint;
+  joint.type = JointType::rod;
   joint.position_1 = from;
   joint.position_2 = to;
   joint.distance = length;
@@ -64,25 +64,25 @@ inline ConstraintParameters rod(const std::array<double, 3>& from, const std::ar
 }
 
 /// A stop whose anchors start at one place.
-inline ConstraintParameters stop(const std::array<double, 3>& centre, const std::array<double, 3>& anchor, double limit,
-                                 double stiffness)
+inline JointParameters stop(const std::array<double, 3>& centre, const std::array<double, 3>& anchor, double limit,
+                            double stiffness)
 {
-  ConstraintParameters joint = ball(anchor, stiffness);
-  joint.type = ConstraintType::distance_stop;
+  JointParameters joint = ball(anchor, stiffness);
+  joint.type = JointType::stop;
   joint.rotation_centre = centre;
   joint.angle_limit = limit;
   return joint;
 }
 
 /// One system of points, with joints between points 1 and 2, 2 and 3 and so on in the order given.
-inline RigidSystems chain(const std::vector<PointParameters>& points, std::vector<ConstraintParameters> joints,
+inline RigidSystems chain(const std::vector<PointParameters>& points, std::vector<JointParameters> joints,
                           unsigned int dim = 3)
 {
   SystemParameters system;
   system.points = points;
   for (unsigned int i = 0; i < joints.size(); ++i)
     joints[i].points = {i + 1, i + 2};
-  system.constraints = joints;
+  system.joints = joints;
   return make_rigid_systems({system}, dim);
 }
 
@@ -106,8 +106,8 @@ inline RigidSolution advance(RigidSystems& systems, const RigidStep& step, const
   return solution;
 }
 
-/// The same, many times, from rest at t = 0 with unknown accelerations: the first step is Euler's, which does not ask
-/// for them and costs no order. Returns the most iterations of a step.
+/// Takes many steps, from rest at t = 0 with unknown accelerations. The first step is Euler's, which does not need them
+/// and keeps the order of convergence. Returns the most iterations of a step.
 inline unsigned int advance(RigidSystems& systems, const RigidStep& step, unsigned int n_steps,
                             const std::function<void(double time)>& after = {})
 {

@@ -12,7 +12,7 @@ namespace kedge
 {
 namespace
 {
-/// A file that is gone after the test; the name tells parallel test runs apart.
+/// A file that the test removes at its end. Its name differs between parallel test runs.
 class Stl : public testing::Test
 {
 protected:
@@ -266,7 +266,7 @@ TEST_F(Stl, SelfCrossingIsRefusedWithAPointOnBothParts)
 
 TEST_F(Stl, SurfaceFoldedOntoItselfIsRefused)
 {
-  // The top corner pushed through the bottom of a tetrahedron's neighbour: the spike overlaps its own base.
+  // The top corner is pushed through the bottom: the spike overlaps its own base.
   TriangleMesh mesh = test::sphere(1., 2);
   mesh.vertices[0] *= -2.;
   expect_refusal_of(mesh, "crosses itself at (");

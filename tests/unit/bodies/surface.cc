@@ -140,7 +140,7 @@ TEST(Surface, VertexInsideAStraightEdgeIsEdge)
 {
   const Surface surface(extrude_outline({{0., 0.}, {1., 0.}, {1., 1.}, {0., 1.}}, "outline"));
   TriangleMesh mesh = surface.mesh();
-  // Split every side wall at y = 0 by hand: the vertices (., 0, .) lie inside the long edges.
+  // Split every side wall at y = 0 by hand. The vertices (., 0, .) then lie inside the long edges.
   TriangleMesh halves;
   for (const double y : {-4., 0., 4.})
     for (unsigned int i = 0; i < 4; ++i)
@@ -178,7 +178,7 @@ TEST(Surface, PointOnAnEdgeOrVertexHasThePseudoNormal)
   EXPECT_NEAR(edge.gap, 0., 1e-15);
   EXPECT_GT(edge.normal.dot(Vector3d(0., 1., 1.).normalized()), 0.7); // one of the faces' normals or between them
   EXPECT_NEAR(edge.normal.norm(), 1., 1e-15);
-  // Weighted by angles, the number of triangles on each of the three faces at this corner (1, 1 and 2) does not matter.
+  // The three faces at this corner have 1, 1 and 2 triangles; weights by angle must make this irrelevant.
   const ClosestPoint vertex = surface.closest_point({1., 0., 0.});
   EXPECT_EQ(vertex.gap, 0.);
   EXPECT_NEAR((vertex.normal - Vector3d(1., -1., -1.).normalized()).norm(), 0., 1e-15);
@@ -201,7 +201,7 @@ TEST(Surface, BoundedQueryAgreesWithTheFullOne)
 
 TEST(Surface, WhatIsKnownOfAPointThatMovesChangesNothing)
 {
-  // steps of all sizes, in and out of a body with faces, edges, corners and facets that are nearly flat
+  // Steps of all sizes lead in and out of a body with faces, edges, corners and nearly flat facets.
   for (const TriangleMesh& mesh : {test::unit_box(), test::sphere(0.5, 3)})
   {
     const Surface surface(mesh);

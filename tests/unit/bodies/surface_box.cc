@@ -35,7 +35,7 @@ Surface one_triangle(const std::array<Vector3d, 3>& corners)
   return Surface(TriangleMesh{{corners[0], corners[1], corners[2]}, {{0, 1, 2}}});
 }
 
-/// Distance of a triangle from a box by projecting to and fro, which converges for convex sets (von Neumann).
+/// Distance of a triangle from a box by alternating projections, which converge for convex sets (von Neumann).
 double distance_by_projections(const Surface& triangle, const OrientedBox& box)
 {
   Vector3d in_box = box.centre;
@@ -62,7 +62,7 @@ TEST(SurfaceAndBox, CrossWhereClippingLeavesSomething)
     ASSERT_EQ(one_triangle(corners).comes_within(box, 0.), expected) << "scene " << i;
     crossing += expected;
   }
-  EXPECT_GT(crossing, 1000); // or there was little to tell apart
+  EXPECT_GT(crossing, 1000); // otherwise the test would prove little
   EXPECT_LT(crossing, 4000);
 }
 

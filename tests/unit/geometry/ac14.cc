@@ -137,7 +137,7 @@ TEST(Ac14, ThicknessFollowsTheWidth)
 TEST(Ac14, ImpossibleDimensionsAreRefused)
 {
   Ac14Fluke fluke;
-  fluke.centroid = 0.9; // takes a crown of negative thickness
+  fluke.centroid = 0.9; // needs a crown of negative thickness
   EXPECT_THROW(make_ac14_fluke(fluke, {}), InputError);
   fluke = {};
   fluke.mass = 1000.; // edges sharper than allowed

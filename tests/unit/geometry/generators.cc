@@ -230,7 +230,7 @@ TEST(Cone, RoundedTipKeepsLengthRadiusAndAngle)
   const TriangleMesh mesh = make_cone(R, 60., L, 48, {0.003, 4});
   check_surface(mesh, "cone");
   expect_extent(mesh, {-R, -R, 0.}, {R, R, L});
-  // Halfway up the tip the surface slopes as the cone does.
+  // Halfway up the tip the surface has the slope of the cone.
   const ClosestPoint flank = Surface(mesh).closest_point({0.012, 0., 0.01});
   EXPECT_NEAR(std::asin(-flank.normal[2]) * 180. / M_PI, 30., 1e-9);
 }

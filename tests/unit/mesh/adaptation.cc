@@ -13,7 +13,7 @@ public:
   static constexpr int dim = Dimension::value;
   static constexpr double base = 0.3, infinity = std::numeric_limits<double>::infinity();
 
-  /// Everything wants one size.
+  /// The wanted size is the same everywhere.
   static WantedSize<dim> size(const double wanted)
   {
     return [wanted](const std::array<double, dim>&, double) { return wanted; };
@@ -121,7 +121,7 @@ TYPED_TEST(Flags, CoarsenNoFurtherThanParticlesAllow)
 
 TYPED_TEST(Flags, CoarsenOnlyWhatNoFinerCellTouches)
 {
-  // base cells around a vertex, refined once, but twice at that vertex in the lowest cell
+  // All base cells around a vertex are refined once; at that vertex the lowest cell is refined twice.
   constexpr int dim = TypeParam::value, n = 1 << dim;
   std::array<unsigned int, dim> cells;
   cells.fill(2);
@@ -151,7 +151,7 @@ TYPED_TEST(Flags, CoarsenOnlyWhatNoFinerCellTouches)
 
 TYPED_TEST(Flags, LetOneChildSpeakForItsFamilyFromAnotherRank)
 {
-  // after a pass children of one cell may be on two ranks
+  // After a pass the children of one cell may be on two ranks.
   ASSERT_EQ(flag_coarsening<TypeParam::value>(this->mesh, this->size(this->base), this->largest(this->infinity)),
             Coarsening::flagged);
   this->execute();

@@ -46,7 +46,7 @@ TYPED_TEST_SUITE(LeafTables, Dimensions, test::DimensionName);
 
 TYPED_TEST(LeafTables, HoldSeveralLevelsAndHangingNodes)
 {
-  // or the other tests would not test much
+  // otherwise the other tests would prove little
   std::vector<int> levels;
   long long hanging = 0;
   for (const auto& leaf : this->table().leaves)
@@ -142,7 +142,7 @@ TYPED_TEST(LeafTables, MatchTheCellsTheyCameFrom)
 
 TYPED_TEST(LeafTables, NameEachTrueNodeOnceOverAllRanks)
 {
-  // A vertex is true unless it lies in the closure of a leaf of which it is no corner.
+  // A vertex is true unless it lies in the closure of a leaf without being one of its corners.
   constexpr int dim = TypeParam::value;
   struct Named
   {

@@ -23,7 +23,7 @@ public:
   }
   static GridLayout<dim> make(const std::array<unsigned int, dim>& cells) { return test::make_brick<dim>(cells, 0.3); }
 
-  /// Refined twice at random and spread over the ranks by work that is very uneven.
+  /// A mesh refined twice at random and distributed over the ranks by very uneven work.
   static void change(BackgroundMesh<dim>& mesh)
   {
     test::refine_some_cells(mesh, 1);

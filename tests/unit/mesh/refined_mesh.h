@@ -17,7 +17,7 @@ struct DimensionName
   template <typename Dimension> static std::string GetName(int) { return std::to_string(Dimension::value) + "d"; }
 };
 
-/// A number in [0, 1) that depends on the arguments alone, so that all ranks agree on it.
+/// A number in [0, 1) that depends only on the arguments, so all ranks get the same.
 inline double noise(std::uint64_t seed, const std::uint64_t salt)
 {
   seed += 0x9e3779b97f4a7c15u * (salt + 1);
@@ -26,7 +26,7 @@ inline double noise(std::uint64_t seed, const std::uint64_t salt)
   return std::ldexp(static_cast<double>((seed ^ (seed >> 31)) >> 11), -53);
 }
 
-/// The same for a point, whose coordinates count to a millionth.
+/// The same for a point; its coordinates are rounded to a millionth.
 template <typename Point> double noise_at(const Point& x, const unsigned int dim, const std::uint64_t salt)
 {
   std::uint64_t seed = 0;

@@ -1,4 +1,4 @@
-// The planes of the moving window: where they lie, how they follow, what they leave behind.
+// The planes of the moving window: their position, how they follow the bodies, and the soil behind them.
 #include "refined_mesh.h"
 #include <gtest/gtest.h>
 #include <kedge/mesh/window.h>

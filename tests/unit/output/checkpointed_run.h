@@ -101,7 +101,7 @@ public:
   static constexpr int dim = Dimension::value;
 
 protected:
-  /// Writes the state of an interrupted run on all ranks and reads it again, with another input if told.
+  /// Writes the state of an interrupted run on all ranks and reads it again, with another input if one is given.
   void write() { Interrupted<dim>(MPI_COMM_WORLD).write(file); }
   void read(const std::string& other_input = checkpointed_input)
   {

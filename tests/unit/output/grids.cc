@@ -144,7 +144,7 @@ TEST(BodyGrids, SurfaceStandsWhereTheBodyIs)
 TEST(BodyGrids, ContactForceIsTheReactionPerArea)
 {
   RigidSystems bodies = turned_body(test::cube());
-  // The side x = -1 of the body looks to world +z after the turn; both points press on one of its triangles.
+  // After the turn the side x = -1 of the body faces +z of the world; both points press on one of its triangles.
   const std::vector<ContactForce> contact = {{{5.5, 0.5, 7.9}, {1., 0., 3.}, 0}, {{5.6, 0.5, 7.95}, {0., 0., 5.}, 0}};
   const UnstructuredGrid grid = body_surfaces<3>(bodies, contact);
   const std::vector<float>& force = floats(grid.cell_data.at(1));

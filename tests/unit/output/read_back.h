@@ -1,4 +1,4 @@
-// Reads the files of this room back, from what VTK's file format says and not from how they were written.
+// Reads the files of this room back. It follows the definition of VTK's file format, not the code that writes.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace kedge::test
 {
-/// A folder that all ranks know and that goes away with the object.
+/// A folder that all ranks know. It is removed with the object.
 class TemporaryFolder
 {
 public:

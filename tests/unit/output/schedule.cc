@@ -8,7 +8,7 @@ namespace
 {
 using Steps = std::vector<unsigned int>;
 
-/// The steps written of a stage that takes `n_taken` converged steps instead of `n_steps` (cuts make them more).
+/// The steps that are written in a stage of `n_steps` that takes `n_taken` converged steps, because of cuts.
 Steps written(double percent, unsigned int n_steps, unsigned int n_taken)
 {
   OutputSchedule schedule(percent);

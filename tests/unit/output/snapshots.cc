@@ -200,7 +200,7 @@ TEST(OutputWriter, WritesNoStepTwice)
     OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
     writer.begin_stage(4);
     writer.write_if_due(scene.state(2), 1, false); // a row of the table alone
-    writer.write_if_due(scene.state(2), 1, true);  // the run fails in its next step: the rest of the same
+    writer.write_if_due(scene.state(2), 1, true);  // the run fails in its next step: writes the rest of this one
   }
   EXPECT_EQ(count_rows(), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "vtk/body.pvd"));

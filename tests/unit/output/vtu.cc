@@ -62,7 +62,7 @@ TEST(Vtu, DataKeepTypeComponentsAndNames)
 TEST(Vtu, ArraysOfSeveralBlocksReadBack)
 {
   const TemporaryFolder folder;
-  // a full last block, and one that is not full
+  // with a full last block and with an incomplete one
   for (const std::size_t n : {3u << 15, 100001u * 3})
   {
     UnstructuredGrid grid;

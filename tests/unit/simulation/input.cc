@@ -82,10 +82,10 @@ TEST(DragAnchorInput, AnchorIsRead)
   EXPECT_EQ(anchor.points[1].inertia[2], 337.5);
   EXPECT_EQ(anchor.points[0].conditions[4].kind, DofCondition::Kind::free);
   EXPECT_EQ(anchor.points[0].conditions[5].kind, DofCondition::Kind::fixed);
-  ASSERT_EQ(anchor.constraints.size(), 3u);
-  EXPECT_EQ(anchor.constraints[1].type, ConstraintType::distance_stop);
-  EXPECT_EQ(anchor.constraints[1].angle_limit, 35.);
-  EXPECT_EQ(anchor.constraints[2].points, (std::array<unsigned int, 2>{2, 3}));
+  ASSERT_EQ(anchor.joints.size(), 3u);
+  EXPECT_EQ(anchor.joints[1].type, JointType::stop);
+  EXPECT_EQ(anchor.joints[1].angle_limit, 35.);
+  EXPECT_EQ(anchor.joints[2].points, (std::array<unsigned int, 2>{2, 3}));
   ASSERT_EQ(anchor.surfaces.size(), 2u);
   EXPECT_EQ(anchor.surfaces[1].stl, (files.path / "shank_scv2.stl").string());
   EXPECT_EQ(anchor.surfaces[1].point, 2u);

@@ -7,8 +7,8 @@ using namespace kedge;
 
 namespace
 {
-/// Three coupled seven-point Laplacians on a cube of n^3 nodes held at its boundary, with some convection so that the
-/// matrix is unsymmetric: block size 3, condition number growing with n^2.
+/// Three coupled seven-point Laplacians on a cube of n^3 nodes, held at its boundary. Some convection makes the matrix
+/// unsymmetric. The block size is 3, and the condition number grows with n^2.
 struct Cube
 {
   explicit Cube(const unsigned int n, const double stiffness_of_last_node = 1.,
@@ -17,8 +17,8 @@ struct Cube
     const long long n_nodes = static_cast<long long>(n) * n * n;
     const auto is_held = [&](const long long node)
     {
-      const long long way = n_nodes - 1 - node;
-      return holds_around_last_node && (way == 1 || way == n || way == static_cast<long long>(n) * n);
+      const long long offset = n_nodes - 1 - node;
+      return holds_around_last_node && (offset == 1 || offset == n || offset == static_cast<long long>(n) * n);
     };
     const auto communicator = Tpetra::getDefaultComm();
     const long long first = n_nodes * communicator->getRank() / communicator->getSize();
@@ -161,7 +161,7 @@ TEST(LinearSolver, RenewsAHierarchyThatHasWornOut)
   LinearSolver solver(parameters, 3);
   solver.set_structure(cube.matrix, cube.modes());
   solver.solve(*cube.right_side, *cube.solution, 1e-6);
-  TpetraVector scale(cube.map); // every other node ten times as stiff, or soft, as those around it
+  TpetraVector scale(cube.map); // the nodes are ten times as stiff or as soft as their neighbours, in turns
   for (std::size_t dof = 0; dof < scale.getLocalLength(); ++dof)
     scale.replaceLocalValue(dof, cube.map->getGlobalElement(dof) / 3 % 2 == 0 ? 3. : 0.3);
   cube.matrix->leftScale(scale);
@@ -185,7 +185,8 @@ TEST(LinearSolver, ReportsASingularMatrixAfterAllEscalations)
 
 TEST(RigidBodyModes, AreTranslationsAndRotationsOfTheWholeBody)
 {
-  // every mode must be a + w x X with the same a and w on all ranks: differences of displacements are skew in position
+  // Every mode must be a + w x X with the same a and w on all ranks. Then differences of displacements are skew in
+  // position.
   const Cube cube(4);
   const auto modes = cube.modes();
   ASSERT_EQ(modes->getNumVectors(), 6u);
@@ -200,7 +201,7 @@ TEST(RigidBodyModes, AreTranslationsAndRotationsOfTheWholeBody)
         view(3 * v + d, 0) = a[d] + w[i] * cube.position[3 * v + j] - w[j] * cube.position[3 * v + i];
       }
   }
-  // modes about the common centre are orthogonal on a cube, so projections take the motion away entirely
+  // Modes about the common centre are orthogonal on a cube, so projections remove the motion entirely.
   for (std::size_t mode = 0; mode < 6; ++mode)
   {
     const auto column = modes->getVector(mode);
@@ -239,7 +240,7 @@ TEST(LinearSolver, TakesNodesThatAreAllHeldAlongAnAxis)
 
 TEST(LinearSolver, TakesANodeWithHeldNeighboursOnly)
 {
-  // an aggregate of its own has three unknowns for six modes and leaves empty rows in the coarse matrix
+  // A node that is its own aggregate has three unknowns for six modes, so the coarse matrix has empty rows.
   const Cube cube(12, 1., true);
   const LinearReport report = cube.solve(choose(LinearSolverChoice::iterative), 1e-8);
   EXPECT_TRUE(report.converged);
@@ -291,7 +292,7 @@ static void expect_bordered_solution(const unsigned int n, const LinearSolverCho
 TEST(LinearSolver, EliminatesABorderIteratively) { expect_bordered_solution(12, LinearSolverChoice::iterative); }
 TEST(LinearSolver, EliminatesABorderDirectly) { expect_bordered_solution(6, LinearSolverChoice::direct); }
 
-/// Two unknowns in the border that only their difference is known of, as of a hinged body that touches no soil.
+/// Two unknowns in the border of which only the difference is determined, as for a hinged body that touches no soil.
 TEST(LinearSolver, ReportsABorderThatNothingHolds)
 {
   for (const LinearSolverChoice choice : {LinearSolverChoice::iterative, LinearSolverChoice::direct})

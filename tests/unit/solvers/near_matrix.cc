@@ -10,7 +10,7 @@ namespace
 constexpr long long n_nodes = 12;
 constexpr unsigned int dim = 2;
 
-/// Value of the entry (row, column) of the full matrix; any unsymmetric rule will do.
+/// Value of the entry (row, column) of the full matrix, by an arbitrary unsymmetric rule.
 double entry(const GlobalOrdinal row, const GlobalOrdinal column) { return 1. + row + 0.1 * column * column; }
 
 /// Nodes on a line at x = 0, 1, ..., each coupled to those up to two away; blocks of 2 x 2.

@@ -6,7 +6,7 @@ using namespace kedge;
 
 namespace
 {
-/// One equation f(x) = 0 per unknown, three unknowns per rank, all started from the same place.
+/// One equation f(x) = 0 per unknown, three unknowns per rank, all with the same start.
 struct Scalar
 {
   Scalar(std::function<double(double)> f_, std::function<double(double)> derivative_)

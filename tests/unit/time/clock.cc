@@ -60,7 +60,7 @@ TEST(Clock, WaitsLongerWhereTheLargerStepFailsAgain)
   EXPECT_EQ(failed_at[1], 1.);
   EXPECT_EQ(failed_at[2], 3.); // four halves
   EXPECT_EQ(failed_at[3], 11.);
-  EXPECT_EQ(failed_at.back() - failed_at[failed_at.size() - 2], 8.); // no longer
+  EXPECT_EQ(failed_at.back() - failed_at[failed_at.size() - 2], 8.); // the patience grows no more
   EXPECT_EQ(failed_at.size(), clock.cuts());
 }
 
@@ -74,7 +74,7 @@ TEST(Clock, IsPatientNoLongerOnceALargerStepSucceeds)
   };
   clock.cut();
   advance_to(1.);
-  clock.cut(); // again: four halves
+  clock.cut(); // fails again: four halves follow
   advance_to(4.);
   clock.cut();
   advance_to(5.);
