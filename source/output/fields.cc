@@ -103,18 +103,14 @@ template <int dim> ParticleField make_field(const FieldDeclaration& stored, cons
           { copy_in_world_axes<dim>(kind, p.data + offset, value); }};
 }
 
-/// Every field that can be written, and each state variable of a law as a field.
-template <int dim> std::vector<ParticleField> all_particle_fields(const std::vector<StateVariable>& of_law)
+/// Every field that can be written but the state variables, which differ from law to law.
+template <int dim> std::vector<ParticleField> all_particle_fields()
 {
   std::vector<ParticleField> fields;
   for_each_field(
       [&](const FieldDeclaration& stored, const unsigned int offset)
       {
-        if (stored.kind == FieldKind::law_state)
-          for (unsigned int k = 0; k < of_law.size(); ++k)
-            fields.push_back(
-                {of_law[k].name, 1, [at = offset + k](const ParticleView& p, double* value) { *value = p.data[at]; }});
-        else if (stored.is_written)
+        if (stored.is_written && stored.kind != FieldKind::law_state)
           fields.push_back(make_field<dim>(stored, offset));
         for (const DerivedField& derived : derived_fields)
           if (derived.after == stored.name)
@@ -202,14 +198,16 @@ template <int dim>
 std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
                                                   const std::vector<StateVariable>& of_law)
 {
-  std::vector<std::string> expanded;
+  std::vector<ParticleField> selected;
   for (const std::string& name : names)
-    if (name != particle_fields[index_of("law state")].name)
-      expanded.push_back(name);
+    if (name == "law state")
+      for (unsigned int k = 0; k < of_law.size(); ++k)
+        selected.push_back({of_law[k].name, 1, [at = field::law_state + k](const ParticleView& p, double* value) {
+                              *value = p.data[at];
+                            }});
     else
-      for (const StateVariable& variable : of_law)
-        expanded.push_back(variable.name);
-  return select(all_particle_fields<dim>(of_law), expanded);
+      selected.push_back(select(all_particle_fields<dim>(), {name})[0]);
+  return selected;
 }
 
 std::vector<BodyField> select_body_fields(const std::vector<std::string>& names)
