@@ -20,6 +20,7 @@ template <int dim>
 ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<unsigned char>& used,
                                 const MPI_Comm communicator)
 {
+  // Global numbers tell the owner of a node, because each rank owns a contiguous range of them.
   const unsigned int n_nodes = table.node_ids.size();
   const int n_ranks = size_of(communicator);
   const long long n_owned_nodes = table.n_owned_nodes;
@@ -69,6 +70,7 @@ ActiveNodes number_active_nodes(const LeafTable<dim>& table, const std::vector<u
     for (long long& id : ids)
       id = first + nodes.number[owned_node[id - first_owned]];
   const std::vector<std::vector<long long>> answer = exchange_between_ranks(asked, communicator);
+  // Ghosts follow behind the owned nodes, grouped by owner.
   for (int r = 0; r < n_ranks; ++r)
   {
     nodes.ghost_begin.push_back(nodes.mesh_node.size());

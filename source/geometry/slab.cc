@@ -256,8 +256,8 @@ PlaneFunction fit_half_thickness(const Planform& planform, const PlaneFunction& 
     if (!(radius >= least_radius))
       throw InputError(
           "mass, centroid",
-          fmt::format("they take a half thickness of {:.3g} m at ({:.3g}, {:.3g}), where edges then have a "
-                      "radius below {:g} m",
+          fmt::format("they require a half thickness of {:.3g} m at ({:.3g}, {:.3g}), where edges would have "
+                      "a radius below {:g} m",
                       thickness, x[0], x[1], least_radius),
           "change the outline, the mass or the centroid");
   }

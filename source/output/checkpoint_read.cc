@@ -96,6 +96,7 @@ void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::ve
     leaves[i].level = rows[width * i];
     std::copy_n(&rows[width * i + 1], dim, leaves[i].index.begin());
   }
+  // Before any repartition, the leaves must be those of the file in the same order.
   refine_to(soil.mesh, leaves);
   auto& forest = soil.mesh.triangulation();
   const MPI_Comm communicator = forest.get_communicator();
@@ -111,6 +112,7 @@ void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::ve
     throw InputError("restart", "the cells of the restart file do not fit the grid of this input",
                      "restart with the input of the first run");
 
+  // As many ranks as wrote the file: each gets its own leaves. Otherwise distribute them by their work.
   const std::vector<std::int64_t> counts = file.read_all<std::int64_t>("leaves of ranks", 1);
   if (counts.size() == static_cast<std::size_t>(size_of(communicator)))
     repartition_to(soil.mesh, counts);
@@ -187,7 +189,8 @@ void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
 {
   const std::vector<double> rows = file.read_all<double>("rigid points", body_width);
   if (rows.size() != body_width * bodies.points.size())
-    throw InputError("restart", "the restart file has another number of rigid points than this input");
+    throw InputError("restart", "the restart file has another number of rigid points than this input",
+                     "restart with the input of the first run");
   const double* row = rows.data();
   for (RigidPoint& point : bodies.points)
   {
@@ -225,10 +228,12 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
   const Hdf5Reader file(path, soil.communicator());
   const std::string version = file.read_text("version"), expected = version_text(dim);
   if (version != expected)
-    throw FileError(path, fmt::format("is \"{}\", not \"{}\"", version, expected));
+    throw FileError(path,
+                    fmt::format("is \"{}\", but this program reads \"{}\"; restart with the program that wrote it",
+                                version, expected));
   if (const std::string fields = file.read_text("particle fields"); fields != field_names())
     throw FileError(
-        path, fmt::format("holds other fields of material points, {}; go on with the program that wrote it", fields));
+        path, fmt::format("holds other fields of material points, {}; restart with the program that wrote it", fields));
   require_same_input(input, file.read_text("input"), path);
 
   const SoilParts<dim> parts = soil.parts();

@@ -106,7 +106,7 @@ void BodyHistory::resume_after(unsigned int step)
   replace_text_file(path, kept);
   file.open(path, std::ios::binary | std::ios::app);
   if (!file)
-    throw FileError(path, "cannot be continued");
+    throw FileError(path, "cannot be continued; check that it may be written");
 }
 
 void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>& reactions, double time,

@@ -121,6 +121,7 @@ void NearMatrix::update()
         for (std::size_t k = from.graph.row_map(row); k < from.graph.row_map(row + 1); ++k)
           if (goes_to_diagonal(k))
             (is_far(k) ? far : diagonal) += from.values(k);
+        // Then a share of their magnitude goes to the diagonal entry, and the others are dropped.
         const bool weakens = far < -tolerated_loss * diagonal;
         for (std::size_t k = from.graph.row_map(row); k < from.graph.row_map(row + 1); ++k)
           if (!is_far(k) || !weakens)

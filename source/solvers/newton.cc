@@ -112,6 +112,22 @@ template <typename Evaluate> SearchPoint halve_step(const Evaluate& at, const Se
     now = at(0.5 * now.step);
   return now;
 }
+
+/// Why further iterations cannot help, or cost more than two load steps of half the size; empty if they are worthwhile.
+std::string reason_to_give_up(const NewtonReport& report, const double measure, const unsigned int without_progress,
+                              const SolverParameters& parameters)
+{
+  const unsigned int limit = std::max(stagnation, parameters.max_newton_iterations / 2);
+  if (!std::isfinite(measure))
+    return "the residual is not finite";
+  if (report.iterations == parameters.max_newton_iterations)
+    return "no convergence in " + std::to_string(report.iterations) + " iterations";
+  if (without_progress == limit)
+    return "no progress in " + std::to_string(limit) + " iterations";
+  if (measure > hopeless * std::max(1., report.residuals.front()))
+    return "the residual diverges";
+  return "";
+}
 } // namespace
 
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters)
@@ -122,30 +138,11 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   report.residuals.push_back(measure);
   double linear_tolerance = loosest, damping = 0., lowest = measure;
   unsigned int without_progress = 0;
-  const unsigned int give_up_after = std::max(stagnation, parameters.max_newton_iterations / 2);
   while (!(measure < parameters.tolerance))
   {
-    // Stop if iterating cannot help or takes longer than two shorter load steps.
-    if (!std::isfinite(measure))
-    {
-      report.failure = "the residual is not finite";
+    report.failure = reason_to_give_up(report, measure, without_progress, parameters);
+    if (!report.failure.empty())
       return report;
-    }
-    if (report.iterations == parameters.max_newton_iterations)
-    {
-      report.failure = "no convergence in " + std::to_string(report.iterations) + " iterations";
-      return report;
-    }
-    if (without_progress == give_up_after)
-    {
-      report.failure = "no progress in " + std::to_string(give_up_after) + " iterations";
-      return report;
-    }
-    if (measure > hopeless * std::max(1., report.residuals.front()))
-    {
-      report.failure = "the residual diverges";
-      return report;
-    }
 
     // The direction. A system that is too soft for the linear solver is damped and solved again.
     linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, parameters.tolerance);

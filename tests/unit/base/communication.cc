@@ -36,7 +36,7 @@ TEST(ExchangeBetweenRanks, DeliversEachParcelToItsRank)
   }
 }
 
-TEST(ExchangeBetweenRanks, DeliversNothingWhereNothingWasSent)
+TEST(ExchangeBetweenRanks, DeliversNothingIfNothingWasSent)
 {
   std::vector<std::vector<char>> out(size_of(world));
   if (rank_of(world) == 0)

@@ -215,7 +215,7 @@ TYPED_TEST(Gimp, ChangesContinuouslyAsABoxSlidesAcrossAFace)
   EXPECT_LT(max_over_ranks(largest, MPI_COMM_WORLD), 20. * hair);
 }
 
-TYPED_TEST(Gimp, ABoxThatPokesOutOfTheGridIsClipped)
+TYPED_TEST(Gimp, ABoxThatReachesBeyondTheGridIsClipped)
 {
   EXPECT_LT(this->worst(
                 [&](const auto& box, const auto& shares) {

@@ -156,7 +156,7 @@ TYPED_TEST(Stencils, GroupTheParticlesOfACellWithAllTheNodesThatTheySee)
   }
 }
 
-TYPED_TEST(Stencils, LeaveTheParticlesOfACellThatIsNotFullAlone)
+TYPED_TEST(Stencils, FormOneGroupPerParticleInACellThatIsNotFull)
 {
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
   std::vector<unsigned char> is_full(*std::max_element(this->leaf.begin(), this->leaf.end()) + 1, 1);

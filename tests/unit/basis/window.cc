@@ -1,4 +1,4 @@
-// At the planes of the moving window the basis ends in the same way as at the faces of the grid.
+// At the planes of the moving window the basis ends as it does at the faces of the grid.
 #include "../mesh/refined_mesh.h"
 #include <algorithm>
 #include <gtest/gtest.h>

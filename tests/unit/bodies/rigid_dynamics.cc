@@ -179,7 +179,7 @@ TEST(RigidBalance, LoadsActAboutTheMovedPoint)
   EXPECT_NEAR((momentum(systems.points[0]) - increment({3., 0., 0.}, {2., 0.8, 0.})).norm(), 0., 1e-9);
 }
 
-TEST(RigidBalance, ConditionsAnswerLoadsAndWeight)
+TEST(RigidBalance, ReactionsBalanceLoadsAndWeight)
 {
   const RigidSystems systems = chain({point_at({}, false, 2.)}, {});
   RigidStep step = dynamic_step(0., 0.25, 0.5);

@@ -199,7 +199,7 @@ TEST(Surface, BoundedQueryAgreesWithTheFullOne)
   }
 }
 
-TEST(Surface, WhatIsKnownOfAPointThatMovesChangesNothing)
+TEST(Surface, AKnownDistanceDoesNotChangeTheResultForAMovedPoint)
 {
   // Steps of all sizes lead in and out of a body with faces, edges, corners and nearly flat facets.
   for (const TriangleMesh& mesh : {test::unit_box(), test::sphere(0.5, 3)})

@@ -75,7 +75,7 @@ using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_
 TYPED_TEST_SUITE(Flags, Dimensions, test::DimensionName);
 } // namespace
 
-TYPED_TEST(Flags, RefineWhatIsLargerThanWantedToThatSize)
+TYPED_TEST(Flags, RefineLargerCellsToTheWantedSize)
 {
   ASSERT_EQ(this->greatest(), this->base);
   for (unsigned int pass = 0; pass < 2; ++pass)
@@ -87,12 +87,12 @@ TYPED_TEST(Flags, RefineWhatIsLargerThanWantedToThatSize)
   EXPECT_EQ(this->greatest(), this->base / 4.);
 }
 
-TYPED_TEST(Flags, LeaveWhatHoldsNoSoil)
+TYPED_TEST(Flags, LeaveCellsWithoutSoil)
 {
   EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(0.01), this->soil(false)));
 }
 
-TYPED_TEST(Flags, TakeSizesThatDifferByLessThanAPercentForOneLevel)
+TYPED_TEST(Flags, TreatSizesWithinOnePercentAsOneLevel)
 {
   EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(0.992 * this->base), this->soil()));
   this->coarsen(0.992 * this->base, this->infinity);
@@ -119,7 +119,7 @@ TYPED_TEST(Flags, CoarsenNoFurtherThanParticlesAllow)
   EXPECT_EQ(this->smallest(), this->base / 2.);
 }
 
-TYPED_TEST(Flags, CoarsenOnlyWhatNoFinerCellTouches)
+TYPED_TEST(Flags, CoarsenNoFamilyThatAFinerCellTouches)
 {
   // All base cells around a vertex are refined once; at that vertex the lowest cell is refined twice.
   constexpr int dim = TypeParam::value, n = 1 << dim;

@@ -57,13 +57,13 @@ TYPED_TEST(WindowPlanes, LieAtTheirDistanceRoundedOutwardToBaseCells)
   EXPECT_EQ(this->place().upper[this->axis], 7u); // 3.4 m, in the cell from 3 m to 3.5 m
 }
 
-TYPED_TEST(WindowPlanes, ThatAreOffAreTheFacesOfTheGrid)
+TYPED_TEST(WindowPlanes, BecomeTheFacesOfTheGridWhenOff)
 {
   EXPECT_EQ(this->place().lower[0], 0u);
   EXPECT_EQ(this->place().upper[0], 10u);
 }
 
-TYPED_TEST(WindowPlanes, LieAgainstABodyThatEndsOnACellsFaceButForRoundOff)
+TYPED_TEST(WindowPlanes, TouchABodyThatEndsOnACellsFaceDespiteRoundOff)
 {
   this->track.min[this->axis].distance = this->track.max[this->axis].distance = 0.;
   this->put_body_at(1.5 - 1e-13, 2.5 + 1e-13);
@@ -84,7 +84,7 @@ TYPED_TEST(WindowPlanes, KeepACellOfTheGridForABodyOutsideIt)
   EXPECT_EQ(this->place().lower[this->axis], 9u);
 }
 
-TYPED_TEST(WindowPlanes, FollowTheWayTheyMay)
+TYPED_TEST(WindowPlanes, MoveInAllowedDirectionsOnly)
 {
   const auto before = this->place();
   this->put_body_at(2.6, 2.9); // 2 m and 4 m
@@ -99,7 +99,7 @@ TYPED_TEST(WindowPlanes, StayWhereTheBodyReturns)
   EXPECT_EQ(this->follow(before), before);
 }
 
-TYPED_TEST(WindowPlanes, FollowBothWaysWhereTheyMay)
+TYPED_TEST(WindowPlanes, MoveInBothDirectionsIfAllowed)
 {
   const auto before = this->place();
   this->track.min[this->axis].advance = this->track.max[this->axis].advance = Advance::both;
@@ -126,7 +126,7 @@ TYPED_TEST(WindowPlanes, StayWhereTheyWouldMeet)
   EXPECT_EQ(this->follow(before), before);
 }
 
-TYPED_TEST(WindowPlanes, ThatRemoveDoSoBehindThemselvesAlone)
+TYPED_TEST(WindowPlanes, RemoveSoilOnlyBehindThemselves)
 {
   this->track.min[this->axis].remove = true;
   EXPECT_TRUE(this->leaves_behind(0.9));
@@ -134,7 +134,7 @@ TYPED_TEST(WindowPlanes, ThatRemoveDoSoBehindThemselvesAlone)
   EXPECT_FALSE(this->leaves_behind(3.6));
 }
 
-TYPED_TEST(WindowPlanes, ThatRemoveAboveTheBodyDoSoAboveThemselves)
+TYPED_TEST(WindowPlanes, AboveTheBodyRemoveSoilAboveThemselves)
 {
   this->track.max[this->axis].remove = true;
   EXPECT_TRUE(this->leaves_behind(3.6));

@@ -145,7 +145,7 @@ TYPED_TEST(Checkpoint, EachRankGetsItsOwnCellsBack)
   EXPECT_EQ(restored.mesh.leaves().node_ids.size(), run.mesh.leaves().node_ids.size());
 }
 
-TYPED_TEST(Checkpoint, RestoredRunGoesOnAsTheFirst)
+TYPED_TEST(Checkpoint, RestoredRunContinuesLikeTheFirst)
 {
   constexpr int dim = TypeParam::value;
   Interrupted<dim> run(MPI_COMM_WORLD);

@@ -86,7 +86,7 @@ TYPED_TEST(CheckpointRefusal, OtherOutputIsAccepted)
   EXPECT_NO_THROW(this->read(other));
 }
 
-TYPED_TEST(CheckpointRefusal, TheLastStageMayEndLaterThanItWasToButNotEarlier)
+TYPED_TEST(CheckpointRefusal, TheLastStageMayEndLaterButNotEarlier)
 {
   const auto until = [](const char* first, const char* last)
   { return std::string(R"({"analysis": [{"final time": )") + first + R"(}, {"final time": )" + last + "}]}"; };
@@ -96,7 +96,7 @@ TYPED_TEST(CheckpointRefusal, TheLastStageMayEndLaterThanItWasToButNotEarlier)
   EXPECT_THROW(this->read(until("2.0", "3.0")), InputError);
 }
 
-TYPED_TEST(CheckpointRefusal, AnExplicitStageMayEndLaterOnlyIfItsStepsStayAsLong)
+TYPED_TEST(CheckpointRefusal, AnExplicitStageMayEndLaterOnlyIfItsStepsKeepTheirLength)
 {
   const auto until = [](const char* last, const char* step)
   {

@@ -92,7 +92,7 @@ TEST(OutputWriter, SeriesAreSwitchedAndTimedOnTheirOwn)
                                                   "mps_2_00005.csv", "mps_1_00006.csv", "mps_2_00006.csv"}));
 }
 
-TEST(OutputWriter, PiecesHoldAllParticlesAndTheFieldsAskedFor)
+TEST(OutputWriter, PiecesHoldAllParticlesAndTheRequestedFields)
 {
   const TemporaryFolder folder;
   Scene<3> scene;

@@ -67,7 +67,7 @@ TEST(Summary, EmptyRunKeepsItsShape)
   EXPECT_TRUE(json["libraries"].is_object());
 }
 
-TEST(Summary, NameThatIsNoTextIsShownAnyway)
+TEST(Summary, FileNameThatIsNotUtf8IsShownAnyway)
 {
   RunSummary summary;
   summary.input_file = "anchor\xff.json";

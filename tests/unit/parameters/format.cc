@@ -88,7 +88,7 @@ TEST(OutputFolder, MustLieBelowTheRun)
   EXPECT_FALSE(accepts(output_folder(), ""));
 }
 
-TEST(EditDistance, CountsSlips)
+TEST(EditDistance, CountsErrors)
 {
   EXPECT_EQ(edit_distance("gravity", "gravity"), 0u);
   EXPECT_EQ(edit_distance("gravty", "gravity"), 1u);
@@ -98,7 +98,7 @@ TEST(EditDistance, CountsSlips)
   EXPECT_EQ(edit_distance("Load_Steps", "load steps"), 0u);
 }
 
-TEST(Nearest, StaysSilentWhereNothingIsNear)
+TEST(Nearest, ReturnsNothingIfNoWordIsNear)
 {
   EXPECT_EQ(nearest("tolerence", {"tolerance", "poor factor"}), "tolerance");
   EXPECT_EQ(nearest("v", {"E", "nu"}), "");

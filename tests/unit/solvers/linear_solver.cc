@@ -92,7 +92,7 @@ SolverParameters choose(const LinearSolverChoice choice)
 }
 } // namespace
 
-TEST(LinearSolver, FactorisesWhatIsSmall)
+TEST(LinearSolver, FactorisesSmallSystems)
 {
   const Cube cube(5);
   const LinearReport report = cube.solve(SolverParameters(), 1e-3);
@@ -101,7 +101,7 @@ TEST(LinearSolver, FactorisesWhatIsSmall)
   EXPECT_LT(cube.relative_residual(), 1e-12);
 }
 
-TEST(LinearSolver, IteratesOnWhatIsLarge)
+TEST(LinearSolver, IteratesOnLargeSystems)
 {
   const Cube cube(14); // 15^3 nodes
   const LinearReport report = cube.solve(SolverParameters(), 1e-8);
@@ -118,7 +118,7 @@ TEST(LinearSolver, MultigridKeepsTheIterationsAsTheGridGrows)
   EXPECT_LE(many, 2 * few);
 }
 
-TEST(LinearSolver, StopsAtTheToleranceAskedFor)
+TEST(LinearSolver, StopsAtTheRequestedTolerance)
 {
   const Cube cube(10);
   const unsigned int loose = cube.solve(choose(LinearSolverChoice::iterative), 1e-2).iterations;
@@ -127,7 +127,7 @@ TEST(LinearSolver, StopsAtTheToleranceAskedFor)
   EXPECT_LT(loose, cube.solve(choose(LinearSolverChoice::iterative), 1e-8).iterations);
 }
 
-TEST(LinearSolver, EscalatesToAFactorisationWhereKrylovStalls)
+TEST(LinearSolver, EscalatesToAFactorisationIfKrylovStalls)
 {
   const Cube cube(10);
   SolverParameters parameters = choose(LinearSolverChoice::iterative);
@@ -223,7 +223,7 @@ TEST(RigidBodyModes, HardlyMoveConstrainedDofs)
   EXPECT_EQ(view(7, 1), 1.);
 }
 
-TEST(LinearSolver, TakesNodesThatAreAllHeldAlongAnAxis)
+TEST(LinearSolver, AcceptsNodesThatAreAllHeldAlongAnAxis)
 {
   const Cube cube(12);
   std::vector<unsigned char> constrained(cube.position.size(), 0);
@@ -238,7 +238,7 @@ TEST(LinearSolver, TakesNodesThatAreAllHeldAlongAnAxis)
   EXPECT_EQ(report.method, "GMRES");
 }
 
-TEST(LinearSolver, TakesANodeWithHeldNeighboursOnly)
+TEST(LinearSolver, AcceptsANodeThatHasOnlyHeldNeighbours)
 {
   // A node that is its own aggregate has three unknowns for six modes, so the coarse matrix has empty rows.
   const Cube cube(12, 1., true);

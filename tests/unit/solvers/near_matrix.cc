@@ -67,7 +67,7 @@ TEST(NearMatrix, KeepsNeighboursOnly)
   EXPECT_EQ(near.matrix()->getGlobalNumEntries(), dim * dim * (3 * n_nodes - 2));
 }
 
-TEST(NearMatrix, AnswersTranslationsLikeTheFullMatrix)
+TEST(NearMatrix, RespondsToTranslationsLikeTheFullMatrix)
 {
   const Chain chain(entry);
   NearMatrix near(chain.matrix, dim, chain.places);

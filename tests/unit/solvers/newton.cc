@@ -125,7 +125,7 @@ TEST(Newton, LineSearchRescuesABadStart)
     EXPECT_LT(report.residuals[k + 1], report.residuals[k]);
 }
 
-TEST(Newton, DampsOnlyAfterAStepThatFailed)
+TEST(Newton, DampsOnlyAfterAFailedStep)
 {
   Scalar easy = cubic();
   EXPECT_TRUE(easy.solve_from(3., tight()).converged);
@@ -140,7 +140,7 @@ TEST(Newton, DampsOnlyAfterAStepThatFailed)
     EXPECT_LE(hard.dampings[k + 1], hard.dampings[k]);
 }
 
-TEST(Newton, LineSearchStepsBackFromWhatIsNotAdmissible)
+TEST(Newton, LineSearchAvoidsPointsThatAreNotAdmissible)
 {
   Scalar problem = cubic();
   problem.admissible_below = 2.5; // the first full step from 1 would go to 3.33
@@ -199,7 +199,7 @@ TEST(Newton, DampsASystemThatIsTooSoftForTheLinearSolver)
   EXPECT_GT(problem.dampings[1], 0.);
 }
 
-TEST(Newton, GivesUpWhereNothingIsGainedInHalfOfTheIterationsAllowed)
+TEST(Newton, GivesUpAfterHalfOfTheIterationsWithoutProgress)
 {
   Scalar problem = cubic();
   problem.f = [](double x) { return x * x + 1.; }; // no root

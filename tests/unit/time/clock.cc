@@ -44,7 +44,7 @@ TEST(Clock, DoublesAfterASuccessUpToTheRequestedSize)
   EXPECT_EQ(clock.step_fraction(), 0.125);
 }
 
-TEST(Clock, WaitsLongerWhereTheLargerStepFailsAgain)
+TEST(Clock, WaitsLongerIfTheLargerStepFailsAgain)
 {
   Clock clock(100, 1. / 4096.);
   std::vector<double> failed_at;
@@ -64,7 +64,7 @@ TEST(Clock, WaitsLongerWhereTheLargerStepFailsAgain)
   EXPECT_EQ(failed_at.size(), clock.cuts());
 }
 
-TEST(Clock, IsPatientNoLongerOnceALargerStepSucceeds)
+TEST(Clock, ResetsItsPatienceWhenALargerStepSucceeds)
 {
   Clock clock(100, 1. / 4096.);
   const auto advance_to = [&](const double position)
@@ -119,7 +119,7 @@ TEST(Clock, DoesNotCutAtAllIfTheWholeStepIsTheSmallest)
   EXPECT_EQ(clock.steps_done(), 1.);
 }
 
-TEST(Clock, LandsExactlyOnTheEndAfterAnyCuts)
+TEST(Clock, EndsExactlyAfterAnyCuts)
 {
   for (unsigned int seed = 0; seed < 100; ++seed)
   {
@@ -152,7 +152,7 @@ TEST(Clock, ResumesWhereAnotherStopped)
   EXPECT_EQ(resumed.cuts(), 3u);
 }
 
-TEST(Clock, GoesOnBeyondTheEndOfAShorterStage)
+TEST(Clock, ContinuesBeyondTheEndOfAShorterStage)
 {
   Clock shorter(2.5, 1. / 4096.);
   while (!shorter.at_end())
@@ -168,7 +168,7 @@ TEST(Clock, GoesOnBeyondTheEndOfAShorterStage)
   EXPECT_TRUE(longer.at_end());
 }
 
-TEST(Clock, GoesOnWithAnotherSmallestStep)
+TEST(Clock, ContinuesWithAnotherSmallestStep)
 {
   for (const double fraction : {1. / 64., 1. / 4096., 1. / 65536.})
   {
