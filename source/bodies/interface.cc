@@ -28,7 +28,7 @@ TangentialLimit InterfaceParameters::limit() const
 Section<InterfaceParameters> interface_section(const bool required)
 {
   using P = InterfaceParameters;
-  const std::string otherwise = required ? "" : "; without it that of \"contact\"";
+  const std::string otherwise = required ? "" : "; default: that of \"contact\"";
   Section<P> section("The interface between soil and body");
   const auto friction = maybe(number("-", not_negative()));
   if (required)
@@ -38,27 +38,27 @@ Section<InterfaceParameters> interface_section(const bool required)
     section.optional("friction coefficient", &P::friction_coefficient, friction, "Coulomb's coefficient" + otherwise);
   section.optional(
       "adhesion", &P::adhesion, maybe(number("Pa", not_negative())),
-      "Shear stress that the interface carries besides friction, or at most, as \"tangential limit\" says" +
-          (required ? std::string("; without it friction alone counts") : otherwise));
+      "Shear stress that the interface carries in addition to friction, or at most: see \"tangential limit\"" +
+          (required ? std::string("; default: none, friction alone") : otherwise));
   section.optional(
       "tangential limit", &P::tangential_limit,
       maybe(choice<TangentialLimit>({{"smaller", TangentialLimit::smaller}, {"sum", TangentialLimit::sum}})),
       "Shear stress at which the soil slips at a pressure p: the smaller of friction coefficient x p and "
       "adhesion, or their sum" +
-          (required ? std::string("; without it \"smaller\", as in undrained clay a higher total pressure "
-                                  "does not make the interface stronger")
+          (required ? std::string("; default: \"smaller\", because in undrained clay a higher total pressure does not "
+                                  "make the interface stronger")
                     : otherwise));
   section.optional("bonded", &P::bonded, maybe(on_off()),
-                   "\"on\": a corner of a material point that has touched the surface, or lies within half a point's "
-                   "size of a body wished in place, does not come off: it pulls without limit, and with adhesion "
-                   "\"smaller\" means the adhesion alone" +
-                       (required ? std::string("; without it \"off\"") : otherwise));
+                   "\"on\": a corner of a material point stays bonded once it has touched the surface, or if it lies "
+                   "within half a point's size of a body that is wished in place; it resists any tension, and with "
+                   "adhesion \"smaller\" means the adhesion alone" +
+                       (required ? std::string("; default: \"off\"") : otherwise));
   section.check(
       [](const P& interface, const Place& place)
       {
         if (interface.tangential_limit && !interface.adhesion)
           place.key("tangential limit")
-              .fail("there is no \"adhesion\" beside it that it could combine with friction",
+              .fail("it needs an \"adhesion\" to combine with friction, and there is none",
                     "add \"adhesion\" (Pa), or remove the key for friction alone");
       });
   return section;
