@@ -58,6 +58,68 @@ void set_initial_stress(double* data, const unsigned int vertical, const double 
     data[field::elastic_strain + d] = ((1. + poisson) * stress[d] - poisson * trace) / young;
   }
 }
+
+/// What all particles of a block have in common.
+template <int dim> struct Block
+{
+  const MaterialPointParameters& parameters;
+  double spacing, height;                ///< of particles along x and y, of the block, m
+  std::array<long long, dim> per_axis{}; ///< particles along the horizontal axes
+  std::vector<Material> materials;       ///< by layer
+};
+
+/// A particle before it enters the handler.
+template <int dim> struct NewParticle
+{
+  dealii::Point<dim> position;
+  long long id; ///< by its place in the block, so that it does not depend on ranks
+  std::array<double, field::count> data;
+};
+
+/// The particle of a row and of a column of the cell at a corner (m); columns count along x first.
+template <int dim>
+NewParticle<dim> make_particle(const Block<dim>& block, const dealii::Point<dim>& corner, const ParticleRow& row,
+                               const unsigned int row_number, const unsigned int column)
+{
+  NewParticle<dim> particle;
+  double* data = particle.data.data();
+  for_each_field([&](const FieldDeclaration& field, const unsigned int offset)
+                 { std::fill_n(data + offset, n_components(field.kind), field.initial); });
+
+  // Place and domain: a box as high as the row.
+  const unsigned int n = block.parameters.points_per_axis;
+  const std::array<unsigned int, 2> along{{column % n, column / n}};
+  const double middle = 0.5 * (row.bottom + row.top);
+  double volume = row.top - row.bottom;
+  particle.id = row_number;
+  for (unsigned int d = 0; d < dim - 1; ++d)
+  {
+    particle.position[d] = corner[d] + block.spacing * (along[d] + 0.5);
+    particle.id = particle.id * block.per_axis[d] + std::llround(particle.position[d] / block.spacing - 0.5);
+    data[field::half_width + d] = 0.5 * block.spacing;
+    volume *= block.spacing;
+  }
+  particle.position[dim - 1] = middle;
+  data[field::half_width + dim - 1] = 0.5 * (row.top - row.bottom);
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    data[field::initial_position + d] = particle.position[d];
+    data[field::initial_half_width + d] = data[field::half_width + d];
+  }
+  for (unsigned int d = 0; d < 3; ++d)
+    data[field::deformation_gradient + 4 * d] = 1.;
+
+  // Material: what depends on the depth is fixed here.
+  const MaterialParameters& material = block.parameters.layers[row.layer].material;
+  data[field::initial_volume] = volume;
+  data[field::mass] = material.density * volume;
+  data[field::young] = effective_young(material, row.vertical_stress);
+  data[field::layer] = row.layer;
+  initialise_state(block.materials[row.layer], {block.height - middle, row.vertical_stress}, data + field::law_state);
+  if (block.parameters.K0)
+    set_initial_stress(data, dim - 1, row.vertical_stress, *block.parameters.K0, material.poisson);
+  return particle;
+}
 } // namespace
 
 template <int dim>
@@ -65,20 +127,14 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
                         const MaterialPointParameters& parameters, const double gravity)
 {
   const GridLayout<dim>& grid = mesh.layout();
-  const double spacing = grid.base_size / parameters.points_per_axis;
-  const double block_height = grid.soil_extent[dim - 1];
-  const std::vector<ParticleRow> rows = make_rows(spacing, block_height, parameters.layers, gravity);
-  std::vector<Material> materials;
-  for (const Layer& layer : parameters.layers)
-    materials.push_back(make_material(layer.material));
-
-  std::array<long long, dim> per_axis;
+  const unsigned int n = parameters.points_per_axis;
+  Block<dim> block{parameters, grid.base_size / n, grid.soil_extent[dim - 1], {}, {}};
   for (unsigned int d = 0; d < dim - 1; ++d)
-    per_axis[d] = static_cast<long long>(grid.base_cells[d]) * parameters.points_per_axis;
+    block.per_axis[d] = static_cast<long long>(grid.base_cells[d]) * n;
+  for (const Layer& layer : parameters.layers)
+    block.materials.push_back(make_material(layer.material));
+  const std::vector<ParticleRow> rows = make_rows(block.spacing, block.height, parameters.layers, gravity);
 
-  const unsigned int n_columns =
-      dim == 3 ? parameters.points_per_axis * parameters.points_per_axis : parameters.points_per_axis;
-  std::vector<double> data(field::count);
   auto& handler = particles.edit();
   for (const auto& cell : mesh.triangulation().active_cell_iterators())
   {
@@ -88,44 +144,15 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
     const double size = cell->extent_in_direction(0);
     for (std::size_t r = 0; r < rows.size(); ++r)
     {
-      const ParticleRow& row = rows[r];
-      const double middle = 0.5 * (row.bottom + row.top);
+      const double middle = 0.5 * (rows[r].bottom + rows[r].top);
       if (middle <= corner[dim - 1] || middle >= corner[dim - 1] + size)
         continue;
-      const MaterialParameters& material = parameters.layers[row.layer].material;
-      for (unsigned int column = 0; column < n_columns; ++column)
+      for (unsigned int column = 0; column < (dim == 3 ? n * n : n); ++column)
       {
-        for_each_field([&](const FieldDeclaration& field, const unsigned int offset)
-                       { std::fill_n(&data[offset], n_components(field.kind), field.initial); });
-        dealii::Point<dim> x;
-        long long id = r;
-        std::array<unsigned int, 2> along{{column % parameters.points_per_axis, column / parameters.points_per_axis}};
-        double volume = row.top - row.bottom;
-        for (unsigned int d = 0; d < dim - 1; ++d)
-        {
-          x[d] = corner[d] + spacing * (along[d] + 0.5);
-          id = id * per_axis[d] + std::llround(x[d] / spacing - 0.5);
-          data[field::half_width + d] = 0.5 * spacing;
-          volume *= spacing;
-        }
-        x[dim - 1] = middle;
-        data[field::half_width + dim - 1] = 0.5 * (row.top - row.bottom);
-        for (unsigned int d = 0; d < dim; ++d)
-        {
-          data[field::initial_position + d] = x[d];
-          data[field::initial_half_width + d] = data[field::half_width + d];
-        }
-        for (unsigned int d = 0; d < 3; ++d)
-          data[field::deformation_gradient + 4 * d] = 1.;
-        data[field::initial_volume] = volume;
-        data[field::mass] = material.density * volume;
-        data[field::young] = effective_young(material, row.vertical_stress);
-        data[field::layer] = row.layer;
-        initialise_state(materials[row.layer], {block_height - middle, row.vertical_stress}, &data[field::law_state]);
-        if (parameters.K0)
-          set_initial_stress(data.data(), dim - 1, row.vertical_stress, *parameters.K0, material.poisson);
-        handler.insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), id, cell,
-                                dealii::ArrayView<const double>(data.data(), data.size()));
+        const NewParticle<dim> particle = make_particle(block, corner, rows[r], r, column);
+        const dealii::Point<dim> in_cell = mesh.mapping().transform_real_to_unit_cell(cell, particle.position);
+        handler.insert_particle(particle.position, in_cell, particle.id, cell,
+                                dealii::ArrayView<const double>(particle.data.data(), particle.data.size()));
       }
     }
   }

@@ -32,7 +32,7 @@ public:
   void line(const std::string& text);
   void warn(const std::string& text);
   void progress(const ProgressLine& shown);
-  /// Ends the progress line; call before leaving a stage.
+  /// Ends the progress line of a stage, so that other text begins on a line of its own.
   void end_progress();
 
   const std::vector<std::string>& warnings() const { return given_warnings; }

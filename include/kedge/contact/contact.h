@@ -104,16 +104,16 @@ public:
   /// parent's edge or face that it lies on are. Tractions are interpolated between the parent's corners,
   /// where corners without history carry none, so that the sum of the forces is kept. Reference gaps are
   /// interpolated between the corners that have one alone: too deep a reference pushes nothing and finds the true gap
-  /// in the next step, one that is not deep enough would push at once. Call after split_particles and, with several
-  /// ranks, before follow_particles: a split is known to the rank that held the parent.
+  /// in the next step, one that is not deep enough would push at once. Soil does this
+  /// before particles change ranks: a split is known to the rank that held the parent.
   void inherit(const std::vector<Split<dim>>& splits);
 
-  /// Hands the history to the ranks that now hold the particles. Collective; call after particles were re-sorted.
+  /// Hands the history to the ranks that hold the particles now, `ids` on this one. Collective.
   void follow_particles(const std::vector<long long>& ids);
 
   /// The committed history that this rank keeps, by particle, corner and surface.
   std::vector<ContactRecord> export_history() const;
-  /// Replaces it; the records may lie on any rank. Collective; call after particles were loaded.
+  /// Replaces it. The records may lie on any rank: they go to those that hold their particles, `ids` here. Collective.
   void import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids);
 
   /// Smallest gap of a corner of each particle in the last evaluation (m), `moved` being the bodies at its end;
