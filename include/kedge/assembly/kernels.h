@@ -5,7 +5,7 @@
 #include <kedge/assembly/node_graph.h>
 #include <kedge/base/kokkos.h>
 #include <kedge/basis/stencil.h>
-#include <kedge/materials/hencky.h>
+#include <kedge/materials/material.h>
 #include <kedge/particles/arrays.h>
 #include <type_traits>
 
