@@ -2,6 +2,7 @@
 #include "input_files.h"
 #include <cstdlib>
 #include <gtest/gtest.h>
+#include <kedge/materials/laws.h>
 #include <kedge/parameters/manual.h>
 #include <kedge/simulation/input.h>
 
@@ -10,7 +11,20 @@ using schema::Json;
 
 namespace
 {
-/// The sections of doc/input-format, with every key that it lists.
+/// The keys and those that the laws declare.
+std::vector<std::string> with_keys_of_laws(std::vector<std::string> keys)
+{
+  Laws::for_each(
+      [&](const auto tag)
+      {
+        using Law = typename decltype(tag)::type;
+        for (const LawKey* key : Law::keys)
+          keys.push_back(key->name);
+      });
+  return keys;
+}
+
+/// The sections of the input, with every key that they hold.
 const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
     {"",
      {"$schema", "GPU", "comment", "dimension", "basis", "domain update", "domain", "material points", "rigid bodies",
@@ -21,8 +35,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
       "initial stress"}},
     {"material points.material size", {"max", "min"}},
     {"material points.layers[]", {"thickness", "material"}},
-    {"material points.layers[].material",
-     {"type", "E", "nu", "density", "yield stress", "friction angle", "dilation angle", "cohesion", "E overburden"}},
+    {"material points.layers[].material", with_keys_of_laws({"type", "E", "nu", "density", "E overburden"})},
     {"material points.layers[].material.E overburden", {"reference stress", "exponent"}},
     {"material points.initial stress", {"type", "K0"}},
     {"rigid bodies[]", {"points", "constraints", "stl files", "outline", "tracked nodes", "offset"}},

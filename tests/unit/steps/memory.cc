@@ -10,6 +10,7 @@ using namespace kedge;
 
 namespace
 {
+/// Remoulded slowly enough for fine cells not to find a band of slip, which they do from 0.4 of remoulding strain on.
 MaterialParameters clay()
 {
   MaterialParameters material;
@@ -18,7 +19,7 @@ MaterialParameters clay()
   material.poisson = 0.3;
   material.density = 2000.;
   material.constants.values = {
-      {"undrained strength", 1e4}, {"strength gradient", 0.}, {"remoulded ratio", 0.4}, {"remoulding strain", 0.4}};
+      {"undrained strength", 1e4}, {"strength gradient", 0.}, {"remoulded ratio", 0.4}, {"remoulding strain", 1.5}};
   return material;
 }
 
@@ -43,18 +44,26 @@ struct Compression : test::StepFixture<2>
   static constexpr double width = 1.;
 
   Compression(const MaterialParameters& material, const double cell)
-      : test::StepFixture<2>(layout(cell), test::layers_of({{1., material}}), 0., stiff_contact())
+      : test::StepFixture<2>(layout(cell), stretching(material), 0., stiff_contact())
   {
-    solver.tolerance = 1e-9;
+    solver.tolerance = 1e-5;
     solver.ghost_factor = 1e-3;
     solver.linear_solver = LinearSolverChoice::direct;
     stage.rigid_bodies = true;
-    gravity = {{0., -1e-3, 0.}}; // residuals are measured by the weight
+    gravity = {{0., -1e-2, 0.}}; // residuals are measured by the weight
     stage.boundary_conditions.min = {{FaceCondition::roller, FaceCondition::roller, FaceCondition::free}};
     particles.remove_if([](const auto& particle) { return particle.get_location()[0] > width; });
     bodies.points.emplace_back();
     bodies.points[0].pose.position = {0., 0., 1.};
     bodies.surfaces.push_back({Surface(extrude_outline({{-1., 0.}, {3., 0.}, {3., 1.}, {-1., 1.}}, "plate")), 0});
+  }
+
+  /// Domains that stay as high as at first would keep the surface higher than the soil.
+  static MaterialPointParameters stretching(const MaterialParameters& material)
+  {
+    MaterialPointParameters parameters = test::layers_of({{1., material}});
+    parameters.domain_update = DomainUpdate::stretch;
+    return parameters;
   }
 
   static GridLayout<2> layout(const double cell)
