@@ -10,7 +10,8 @@ using namespace kedge;
 
 namespace
 {
-/// Remoulded slowly enough for fine cells not to find a band of slip, which they do from 0.4 of remoulding strain on.
+/// Remoulded slowly enough for fine cells not to find a band of slip, which they do with half of this remoulding
+/// strain.
 MaterialParameters clay()
 {
   MaterialParameters material;
@@ -19,7 +20,7 @@ MaterialParameters clay()
   material.poisson = 0.3;
   material.density = 2000.;
   material.constants.values = {
-      {"undrained strength", 1e4}, {"strength gradient", 0.}, {"remoulded ratio", 0.4}, {"remoulding strain", 1.5}};
+      {"undrained strength", 1e4}, {"strength gradient", 0.}, {"remoulded ratio", 0.4}, {"remoulding strain", 0.8}};
   return material;
 }
 
