@@ -198,6 +198,7 @@ template <int dim>
 std::vector<ParticleField> select_particle_fields(const std::vector<std::string>& names,
                                                   const std::vector<StateVariable>& of_law)
 {
+  const std::vector<ParticleField> all = all_particle_fields<dim>();
   std::vector<ParticleField> selected;
   for (const std::string& name : names)
     if (name == "law state")
@@ -206,7 +207,7 @@ std::vector<ParticleField> select_particle_fields(const std::vector<std::string>
                               *value = p.data[at];
                             }});
     else
-      selected.push_back(select(all_particle_fields<dim>(), {name})[0]);
+      selected.push_back(select(all, {name})[0]);
   return selected;
 }
 
