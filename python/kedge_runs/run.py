@@ -93,6 +93,13 @@ class Run:
         paths = self._layers[steps[-1] if step is None else step]
         return np.concatenate([_column(self._table(path, skip=1), name, path) for path in paths])
 
+    def point_columns(self):
+        """Names of the columns that the tables of all layers have in common; none where there is no table."""
+        if not self._layers:
+            return []
+        names = [list(self._table(path, skip=1)) for path in self._layers[max(self._layers)]]
+        return [name for name in names[0] if all(name in others for others in names)]
+
     def vtk_steps(self, series="mps_1"):
         """Numbers of the steps at which the run wrote a series of VTK files, in order."""
         return sorted({step for step, _ in self._vtk_files(series)})

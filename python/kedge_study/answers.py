@@ -1,0 +1,204 @@
+"""What a run answers: its curves, and numbers taken from them, from its points, or from its summary."""
+import csv
+import hashlib
+import importlib.util
+import json
+import re
+
+import numpy as np
+
+from kedge_runs import RunError
+from kedge_runs.run import Run
+
+from . import StudyError
+from .expressions import evaluate
+from .taking import take
+
+SUMMED = ("steps", "cuts", "newton iterations", "krylov iterations", "time steps", "deleted")
+COSTS = ("steps", "cuts", "newton iterations", "krylov iterations", "material points", "dofs")
+N_KEPT = 400  # points of a curve that a chart needs
+
+
+class _Folder:
+    """Output of a command that is no run of kedge."""
+
+    def __init__(self, folder):
+        self.folder, self.summary = folder, {}
+
+
+def read(study, case, folder):
+    """Answers, curves and costs of a run, from its folder: {"answers": {...}, "curves": {name: [x, y]}, "costs": {...},
+    "reached": x}. Keeps them beside the run and reads them again as long as the study asks for the same."""
+    kept, key = folder / "answers.json", _key(study, case, folder)
+    try:
+        content = json.loads(kept.read_text(encoding="utf-8"))
+        if content["key"] == key:
+            return content
+    except (OSError, ValueError, KeyError):
+        pass
+    content = {"key": key} | _read(study, case, folder)
+    kept.write_text(json.dumps(content) + "\n", encoding="utf-8")
+    return content
+
+
+def _key(study, case, folder):
+    """Hash of the questions, and of the run's end."""
+    sources = [(study.folder / answer["function"].partition(":")[0]).read_text(encoding="utf-8")
+               for answer in study.answers.values() if "function" in answer]
+    record = (folder / "record.json").read_text(encoding="utf-8")
+    content = [study.columns, study.curves, study.answers, {name: repr(value) for name, value in case.names.items()},
+               sources, record]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def _read(study, case, folder):
+    run = _Folder(folder) if study.command else Run(folder / "output")
+    curves = {name: _curve(study, name, run, case.names) for name in study.curves}
+    answers = {}
+    for name in study.answers:
+        answers[name] = _answer(study, name, run, case.names, curves, answers)
+    first = next(iter(curves.values()), None)
+    return {"answers": answers, "costs": costs(run.summary),
+            "reached": float(first[0][-1]) if first and len(first[0]) else None,
+            "curves": {name: [[float(value) for value in side] for side in thinned(*curve)] if curve else None
+                       for name, curve in curves.items()}}
+
+
+def costs(summary):
+    """Sums over the stages, and the sizes of the last."""
+    stages = summary.get("stages", [])
+    result = {name: sum(stage.get(name, 0) for stage in stages) for name in COSTS[:4]}
+    last = stages[-1] if stages else {}
+    return result | {name: last.get(name, 0) for name in COSTS[4:]} | {"peak memory": summary.get("peak memory", 0.)}
+
+
+def thinned(x, y, n=N_KEPT):
+    """At most n points of a curve, the ends among them."""
+    if len(x) <= n:
+        return x, y
+    chosen = np.unique(np.linspace(0, len(x) - 1, n).round().astype(int))
+    return x[chosen], y[chosen]
+
+
+def _curve(study, name, run, names):
+    """x and y of a curve; None where the run did not write its table."""
+    curve, where = study.curves[name], f"{study.path}: curves.{name}"
+    try:
+        columns = _table(curve.get("table", "bodies"), run)
+    except RunError:
+        return None
+    bound = columns if curve.get("table", "bodies") != "bodies" else _bound(study, columns, run, curve)
+    rows = np.ones(len(next(iter(columns.values()))), dtype=bool)
+    if "stage" in curve and "stage" in columns:
+        rows &= columns["stage"] == curve["stage"]
+    if "where" in curve:
+        rows &= np.asarray(evaluate(curve["where"], names | bound, f"{where}.where"), dtype=bool)
+    bound = {key: values[rows] for key, values in bound.items()}
+    x, y = (np.broadcast_to(np.asarray(evaluate(curve[side], names | bound, f"{where}.{side}"), dtype=float),
+                            (np.count_nonzero(rows),)) for side in ("x", "y"))
+    return x, y
+
+
+def _table(name, run):
+    """Columns of a table by name; those of material points and files with _ for all but letters and digits."""
+    if name == "bodies":
+        return run.bodies()
+    if name == "points":
+        return {_plain(key): run.points(key) for key in run.point_columns()}
+    path = run.folder / name
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except OSError as error:
+        raise RunError(f"{path}: cannot be read ({error.strerror})") from error
+    if not rows:
+        raise RunError(f"{path}: holds no rows")
+    return {_plain(key): _numbers([row[key] for row in rows]) for key in rows[0]}
+
+
+def _plain(name):
+    return re.sub(r"[^A-Za-z0-9_]", "_", name)
+
+
+def _numbers(texts):
+    try:
+        return np.array(texts, dtype=float)
+    except ValueError:
+        return np.array(texts)
+
+
+def _bound(study, columns, run, curve):
+    """The columns that the study names, and time, step and stage."""
+    result = {name: columns[name] for name in ("time", "step", "stage") if name in columns}
+    for name, column in study.columns.items():
+        if found := re.fullmatch(r"body(\d+)_displacement_([xyz])", column):
+            result[name] = _displacement(columns, run, int(found[1]), found[2], curve.get("stage", 1))
+        elif column not in columns:
+            raise StudyError(f"{study.path}: columns.{name}: rigid_body.csv has no column \"{column}\"; it has "
+                             f"{', '.join(columns)}")
+        else:
+            result[name] = columns[column]
+    return result
+
+
+def _displacement(columns, run, body, axis, stage):
+    """Displacement of a body since the start of a stage, m."""
+    position = columns[f"body{body}_position_{axis}"]
+    before = np.flatnonzero(columns["stage"] < stage)
+    start = run.start_of(body)
+    if stage > 1 and len(before):
+        return position - position[before[-1]]
+    return position - (start["xyz".index(axis)] if start else position[0])
+
+
+def _answer(study, name, run, names, curves, answers):
+    """A number; None where the run does not hold it."""
+    answer, where = study.answers[name], f"{study.path}: answers.{name}"
+    known = names | {key: np.nan if value is None else value for key, value in answers.items()}
+    if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
+        return None
+    try:
+        if "curve" in answer:
+            limits = {key: evaluate(answer[key], known, f"{where}.{key}") for key in ("from", "to", "x")
+                      if key in answer}
+            curve = curves[answer["curve"]]
+            value = take(*curve, answer["take"], limits) if curve else None
+        elif "summary" in answer:
+            value = _of_summary(run.summary, answer["summary"])
+        elif "points" in answer:
+            columns = {_plain(key): run.points(key) for key in run.point_columns()}
+            value = evaluate(answer["points"], known | columns, f"{where}.points")
+        elif "expression" in answer:
+            value = evaluate(answer["expression"], known, f"{where}.expression")
+        else:
+            value = _function(study, answer["function"], where)(run, names)
+    except StudyError:
+        raise
+    except RunError:  # the run did not come so far
+        return None
+    return float(value) if value is not None and np.isfinite(value) else None
+
+
+def _of_summary(summary, path):
+    if path in SUMMED:
+        return sum(stage.get(path, 0) for stage in summary.get("stages", []))
+    value = summary
+    for step in path.split("."):
+        try:
+            value = value[int(step) if isinstance(value, list) else step]
+        except (KeyError, IndexError, ValueError, TypeError):
+            return None
+    return value
+
+
+def _function(study, text, where):
+    """A function from a Python file beside the study."""
+    file, _, name = text.partition(":")
+    path = study.folder / file
+    spec = importlib.util.spec_from_file_location(f"study_{path.stem}", path)
+    try:
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return getattr(module, name)
+    except (OSError, AttributeError) as error:
+        raise StudyError(f"{where}.function: {text}: {error}") from error

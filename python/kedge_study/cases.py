@@ -1,0 +1,143 @@
+"""The runs of a study: what varies, the settings that follow, and the key by which a run is known."""
+import hashlib
+import itertools
+import json
+import pathlib
+import re
+from dataclasses import dataclass
+
+from . import StudyError
+from .expressions import evaluate, resolve
+
+
+@dataclass
+class Case:
+    """One run to make. values: parameters; names: these, constants and derived values; settings: (path, value) in the
+    order of the study; surfaces: words of kedge geometry by file name; input: hash of all that decides the result."""
+    values: dict
+    names: dict
+    settings: list
+    surfaces: dict
+    words: list
+    ranks: int
+    program: pathlib.Path
+    name: str
+    input: str
+
+    def folder(self, work, version):
+        """Folder of the run by one version of the program."""
+        key = hashlib.sha256(f"{self.input} {version}".encode()).hexdigest()[:8]
+        return work / f"{self.name[:60]}-{key}"
+
+
+def cases_of(study, program, parts=None):
+    """The cases of each part, by its name. Equal cases are the same object."""
+    known, result = {}, {}
+    for name in parts or study.parts:
+        if name not in study.parts:
+            raise StudyError(f"{study.path}: there is no part \"{name}\"; there are {', '.join(study.parts)}")
+        result[name] = []
+        for values in _combinations(study, study.parts[name]):
+            key = json.dumps(values, sort_keys=True)
+            if key not in known:
+                known[key] = make_case(study, values, program)
+            if known[key] not in result[name]:
+                result[name].append(known[key])
+    return result
+
+
+def _combinations(study, part):
+    """Values of all parameters for each run of a part."""
+    default = {name: parameter["default"] for name, parameter in study.parameters.items()} | part.get("fixed", {})
+    if "grid" in part:
+        for values in itertools.product(*part["grid"].values()):
+            yield default | dict(zip(part["grid"], values))
+    elif "one at a time" in part:
+        yield default
+        for name, values in part["one at a time"].items():
+            yield from (default | {name: value} for value in values)
+    else:
+        yield from (default | values for values in part["runs"])
+
+
+def make_case(study, values, program):
+    """The case with these values of the parameters."""
+    where = str(study.path)
+    names = {}
+    for name, value in study.constants.items():
+        names[name] = resolve(value, names, f"{where}: constants.{name}")
+    names |= values
+    for name, expression in study.derived.items():
+        names[name] = evaluate(expression, names, f"{where}: derived.{name}")
+    surfaces = {file: [str(word) for word in resolve(words, names, f"{where}: geometry.{file}")]
+                for file, words in study.geometry.items()}
+
+    def surface(file):
+        if file not in surfaces:
+            raise StudyError(f"{where}: surface('{file}') is not made by \"geometry\"")
+        return f"$SURFACES/{file}"
+
+    settings = [(path, resolve(value, names, f"{where}: set.{path}", surface=surface))
+                for path, value in study.set.items()]
+    words = [str(resolve(word, names, f"{where}: command[{index}]")) for index, word in enumerate(study.command)]
+    ranks = int(evaluate(study.ranks, names, f"{where}: ranks"))
+    chosen = resolve(study.program, names, f"{where}: program") if study.program else ""
+    chosen = study.folder / chosen if chosen else pathlib.Path(program)
+    scene = scene_of(study)
+    content = {"scene": _without_comments(scene), "settings": settings, "surfaces": surfaces, "words": words,
+               "ranks": ranks, "files": _hashes_of_surfaces(study, scene)}
+    key = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+    return Case(values, names, settings, surfaces, words, ranks, chosen, _name(study, values), key)
+
+
+def scene_of(study):
+    """The scene's content; empty for a command."""
+    if not study.scene:
+        return {}
+    path = study.folder / study.scene
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise StudyError(f"{study.path}: scene: {path} cannot be read ({error})") from error
+
+
+def _without_comments(value):
+    if isinstance(value, dict):
+        return {key: _without_comments(entry) for key, entry in value.items() if key not in ("comment", "$schema")}
+    return [_without_comments(entry) for entry in value] if isinstance(value, list) else value
+
+
+def _hashes_of_surfaces(study, scene):
+    """Hashes of the files of surfaces that the scene names, in their order."""
+    result = []
+    for system in scene.get("rigid bodies", []):
+        for entry in system.get("stl files", []):
+            path = study.folder / pathlib.Path(study.scene).parent / entry.get("stl", "")
+            result.append(hashlib.sha256(path.read_bytes()).hexdigest()[:12] if path.is_file() else "")
+    return result
+
+
+def _name(study, values):
+    """A name for the run's folder: what differs from the defaults."""
+    parts = [f"{name}-{value}" for name, value in values.items() if value != study.parameters[name]["default"]]
+    return re.sub(r"[^A-Za-z0-9.,_+-]+", "_", ",".join(parts)) or "default"
+
+
+def label(study, case, cases):
+    """What distinguishes a case from the others of its part, for legends."""
+    parts = []
+    for name in study.parameters:
+        if len({json.dumps(other.values[name]) for other in cases}) > 1:
+            known = study.parameters[name]
+            text = study.text(name, case.values[name])
+            if "names" in known and text in known["names"].values():
+                parts.append(text)
+            else:
+                head, _, unit = study.label(name).partition(" / ")
+                parts.append(f"{head} {text}" + (f" {unit}" if unit else ""))
+    return ", ".join(parts) or study.title
+
+
+def varied(study, cases):
+    """Names of the parameters that differ between cases."""
+    return [name for name in study.parameters if len({json.dumps(case.values[name]) for case in cases}) > 1]

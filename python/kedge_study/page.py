@@ -1,0 +1,157 @@
+"""The page of a study: Markdown for the repository, and one HTML file that holds everything."""
+import base64
+import html
+
+from . import convergence as orders
+from .cases import varied
+from .charts import charts_of, draw
+from .panels import main_answer, points_of, series
+from .progress import duration
+
+CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}table{border-collapse:collapse;
+font-size:13px}td,th{border:1px solid #ccc;padding:2px 7px;text-align:right}td:first-child,th:first-child{text-align:left}
+img{max-width:100%}.failed td{color:#b00}small{color:#666}"""
+
+
+def write(study, parts, results, folder):
+    """Draws the parts and writes results.md and the HTML page of a study; parts: cases by the name of their part,
+    results: by input. Returns the path of the HTML page."""
+    sections = []
+    for name, cases in parts.items():
+        of_part = [results[case.input] for case in cases if case.input in results]
+        if of_part:
+            path = folder / f"{study.name}-{name.replace(' ', '-')}"
+            is_drawn = draw(study, study.parts[name], of_part, path)
+            sections.append((name, of_part, len(cases), path if is_drawn else None))
+    (folder / f"{study.name}.md").write_text(_markdown(study, sections, results), encoding="utf-8")
+    page = folder / f"{study.name}.html"
+    page.write_text(_html(study, sections, results), encoding="utf-8")
+    return page
+
+
+def table(study, part, results):
+    """Head and rows of the table of a part."""
+    names = varied(study, [result.case for result in results])
+    asked = part.get("columns") or list(study.answers)
+    with_error = [name for name in asked if any(result.error(name) is not None for result in results)]
+    head = [study.label(name) for name in names] or ["run"]
+    for name in asked:
+        head += [study.label(name)] + (["error / %"] if name in with_error and not _is_zero(results, name) else [])
+    head += ["ended", "CPU time / s", "memory / MB", "steps", "cuts", "Newton", "points"]
+    rows = []
+    for result in results:
+        row = [study.text(name, result.case.values[name]) for name in names] or ["default"]
+        for name in asked:
+            row.append(_number(result.answers.get(name), study.scale(name)))
+            if name in with_error and not _is_zero(results, name):
+                error = result.error(name)
+                row.append("-" if error is None else f"{100. * error:+.2g}" if abs(error) < 0.1 else f"{100. * error:+.0f}")
+        end = "" if result.reached is None else f" at {result.reached:.3g}"
+        row.append(result.status if result.is_finished else f"**{result.status}**{end}")
+        row += [f"{result.cpu:.3g}", f"{1e-6 * result.memory:.0f}",
+                *(_number(result.costs.get(name), 1., "{:.0f}") for name in
+                  ("steps", "cuts", "newton iterations", "material points"))]
+        rows.append(row)
+    return head, rows
+
+
+def _is_zero(results, name):
+    """Whether an answer should be zero, so that it is its own error."""
+    return all(value == 0. for result in results for _, value in result.references.get(name, [])[:1])
+
+
+def _number(value, scale=1., form="{:.4g}"):
+    return "-" if value is None else form.format(value * scale)
+
+
+def convergence_lines(study, part, results):
+    """A sentence for each series of a convergence chart."""
+    lines = []
+    for chart in charts_of(study, part):
+        if chart["kind"] != "convergence":
+            continue
+        answer = main_answer(study, chart)
+        for group in series(study, results, chart["over"]):
+            sizes, values = points_of(group, chart["over"], answer)
+            known = group[0].references.get(answer, [])
+            text = []
+            if (found := orders.richardson(sizes, values)) and chart.get("scales") != "log":
+                text.append(found.text())
+            elif chart.get("scales") == "log" and (order := orders.order_of_errors(sizes, values)):
+                text.append(f"order {order:.2f}")
+            if known and known[0][1] and (order := orders.order_of_errors(sizes, values / known[0][1] - 1.)):
+                text.append(f"order of the error {order:.2f}")
+            names = [name for name in varied(study, [r.case for r in results]) if name != chart["over"]]
+            which = ", ".join(f"{study.label(name).partition(' / ')[0]} {study.text(name, group[0].case.values[name])}"
+                              for name in names)
+            if text:
+                lines.append(f"{study.label(answer)} over {study.label(chart['over'])}"
+                             + (f" ({which})" if which else "") + f": {'; '.join(text)}.")
+    return lines
+
+
+def provenance(results):
+    """Sentences that say where the numbers come from."""
+    def all_of(name):
+        return ", ".join(sorted({str(result.provenance[name]) for result in results.values()}))
+
+    total = sum(result.cpu for result in results.values())
+    commits = {result.provenance["commit"] for result in results.values()}
+    return (f"{len(results)} runs, {duration(total)} of CPU time. Program: commit {all_of('commit')}"
+            f"{' (mixed)' if len(commits) > 1 else ''}; machine: {all_of('machine')}; ranks: {all_of('ranks')}; "
+            f"{all_of('date')}.")
+
+
+def failures(results):
+    """A line for each run that failed."""
+    return [f"{result.case.name}: {result.status}" + (f" at {result.reached:.4g}" if result.reached is not None else "")
+            + f": {result.message}" for result in results if not result.is_finished]
+
+
+def _markdown(study, sections, results):
+    text = f"# {study.title}\n\n{study.question}\n"
+    if study.source:
+        text += f"\nReference: {study.source}\n"
+    for name, of_part, n, chart in sections:
+        part = study.parts[name]
+        head, rows = table(study, part, of_part)
+        text += f"\n## {part.get('title', name)}\n\n" + (part["text"] + "\n\n" if "text" in part else "")
+        if chart:
+            text += f"![{part.get('title', name)}]({chart.name}.png)\n\n"
+        text += "\n".join("| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]) + "\n"
+        lines = convergence_lines(study, part, of_part) + failures(of_part)
+        if n > len(of_part):
+            lines.append(f"{n - len(of_part)} of {n} runs are missing.")
+        text += ("\n" + "\n".join(f"- {line}" for line in lines) + "\n") if lines else ""
+    return text + f"\n{provenance(results)}\n"
+
+
+def _html(study, sections, results):
+    def cell(text, tag):
+        return f"<{tag}>{html.escape(text.replace('**', ''))}</{tag}>"
+
+    body = f"<h1>{html.escape(study.title)}</h1><p>{html.escape(study.question)}</p>"
+    if study.source:
+        body += f"<p>Reference: {html.escape(study.source)}</p>"
+    for name, of_part, n, chart in sections:
+        part = study.parts[name]
+        head, rows = table(study, part, of_part)
+        body += f"<h2>{html.escape(part.get('title', name))}</h2><p>{html.escape(part.get('text', ''))}</p>"
+        if chart:
+            picture = base64.b64encode(chart.with_suffix(".svg").read_bytes()).decode()
+            body += f'<img alt="{html.escape(name)}" src="data:image/svg+xml;base64,{picture}">'
+        body += "<table><tr>" + "".join(cell(text, "th") for text in head) + "</tr>"
+        for result, row in zip(of_part, rows):
+            body += (f"<tr{'' if result.is_finished else ' class=failed'}>" + "".join(cell(text, "td") for text in row)
+                     + "</tr>")
+        body += "</table>"
+        lines = convergence_lines(study, part, of_part) + failures(of_part)
+        body += "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in lines) + "</ul>" if lines else ""
+    runs = "".join(f"<tr>{cell(result.case.name, 'td')}{cell(result.provenance['commit'], 'td')}"
+                   f"{cell(result.provenance['input'], 'td')}{cell(str(result.provenance['ranks']), 'td')}"
+                   f"{cell(result.provenance['machine'], 'td')}{cell(f'{result.cpu:.4g}', 'td')}</tr>"
+                   for result in results.values())
+    body += (f"<h2>Runs</h2><p><small>{html.escape(provenance(results))}</small></p><table><tr><th>run</th>"
+             f"<th>commit</th><th>input</th><th>ranks</th><th>machine</th><th>CPU time / s</th></tr>{runs}</table>")
+    return (f"<!doctype html><html lang=en><meta charset=utf-8><title>{html.escape(study.title)}</title>"
+            f"<style>{CSS}</style><body>{body}</body></html>\n")
