@@ -43,8 +43,8 @@ def read(study, case, folder):
 
 def _key(study, case, folder):
     """Hash of the questions, and of the run's end."""
-    sources = [(study.folder / answer["function"].partition(":")[0]).read_text(encoding="utf-8")
-               for answer in study.answers.values() if "function" in answer]
+    sources = [(study.folder / entry["function"].partition(":")[0]).read_text(encoding="utf-8")
+               for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
     record = (folder / "record.json").read_text(encoding="utf-8")
     content = [study.columns, study.curves, study.answers, {name: repr(value) for name, value in case.names.items()},
                sources, record]
@@ -84,6 +84,9 @@ def _curve(study, name, run, names):
     """x and y of a curve; None where the run did not write its table."""
     curve, where = study.curves[name], f"{study.path}: curves.{name}"
     try:
+        if "function" in curve:
+            sides = _function(study, curve["function"], where)(run, names)
+            return tuple(np.asarray(side, dtype=float) for side in sides)
         columns = _table(curve.get("table", "bodies"), run)
     except RunError:
         return None
@@ -117,7 +120,8 @@ def _table(name, run):
 
 
 def _plain(name):
-    return re.sub(r"[^A-Za-z0-9_]", "_", name)
+    """A column's name as expressions have it."""
+    return re.sub(r"^(?=\d)", "_", re.sub(r"[^A-Za-z0-9_]", "_", name))
 
 
 def _numbers(texts):

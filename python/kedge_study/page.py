@@ -8,9 +8,9 @@ from .charts import charts_of, draw
 from .panels import main_answer, points_of, series
 from .progress import duration
 
-CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}table{border-collapse:collapse;
-font-size:13px}td,th{border:1px solid #ccc;padding:2px 7px;text-align:right}td:first-child,th:first-child{text-align:left}
-img{max-width:100%}.failed td{color:#b00}small{color:#666}"""
+CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}
+table{border-collapse:collapse;font-size:13px}td,th{border:1px solid #ccc;padding:2px 7px;text-align:right}
+td:first-child,th:first-child{text-align:left}img{max-width:100%}.failed td{color:#b00}small{color:#666}"""
 
 
 def write(study, parts, results, folder):
@@ -45,7 +45,7 @@ def table(study, part, results):
             row.append(_number(result.answers.get(name), study.scale(name)))
             if name in with_error and not _is_zero(results, name):
                 error = result.error(name)
-                row.append("-" if error is None else f"{100. * error:+.2g}" if abs(error) < 0.1 else f"{100. * error:+.0f}")
+                row.append("-" if error is None else f"{100. * error:+.{2 if abs(error) < 0.1 else 3}g}")
         end = "" if result.reached is None else f" at {result.reached:.3g}"
         row.append(result.status if result.is_finished else f"**{result.status}**{end}")
         row += [f"{result.cpu:.3g}", f"{1e-6 * result.memory:.0f}",

@@ -66,7 +66,7 @@ def _lines(axes, study, curve, where, results, ends):
         drawn = []
         for result in results:
             with np.errstate(all="ignore"):
-                y = np.broadcast_to(evaluate(expression, result.case.names | {"x": x}, f"{where}.lines.{text}"), x.shape)
+                y = evaluate(expression, result.case.names | {"x": x}, f"{where}.lines.{text}") + 0. * x
             if not any(np.allclose(y, other, equal_nan=True) for other in drawn):
                 axes.plot(x, y, color="0.35", linewidth=1., linestyle=("--", ":", "-.")[number % 3],
                           label=None if drawn else text)
@@ -99,7 +99,8 @@ def cost(axes, study, part, chart, results):
     for index, group in enumerate(series(study, known, refined) if refined else [[result] for result in known]):
         text = _label_without(study, group[0].case, cases, refined) if refined else label(study, group[0].case, cases)
         style = {"color": f"C{index % 10}", "linestyle": "-" if refined else "none", "linewidth": 0.8}
-        group = sorted(group, key=lambda result: result.cpu)
+        if refined:
+            group = sorted(group, key=lambda result: result.case.values[refined])
         axes.plot([result.cpu for result in group], [errors[id(result)] for result in group],
                   MARKERS[index // 10 % len(MARKERS)], markersize=6, label=text, **style)
         for result in group:

@@ -72,8 +72,8 @@ def of_table(study, cases, folder):
 
 def _of_row(study, case, row, curves):
     numbers = {name: _number(row.get(name)) for name in [*study.answers, *answers.COSTS, *NUMBERS, "reached"]}
-    return Result(case, row["status"], row["message"], numbers["reached"], {name: numbers[name] for name in study.answers},
-                  curves, {name: numbers[name] for name in answers.COSTS},
+    return Result(case, row["status"], row["message"], numbers["reached"],
+                  {name: numbers[name] for name in study.answers}, curves, {name: numbers[name] for name in answers.COSTS},
                   *(numbers[name] or 0. for name in ("CPU time / s", "wall time / s")),
                   1e6 * (numbers["memory / MB"] or 0.), {name: row[name] for name in PROVENANCE})
 
