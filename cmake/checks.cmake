@@ -34,3 +34,8 @@ foreach(study ${studies})
                    --program $<TARGET_FILE:kedge> --output ${PROJECT_BINARY_DIR}/studies-test/${folder}/${name})
   set_tests_properties(study-${folder}-${name} PROPERTIES LABELS study TIMEOUT 300)
 endforeach()
+add_test(NAME command-line
+         COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/command-line $<TARGET_FILE:kedge>)
+set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
+add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
+set_tests_properties(commit PROPERTIES LABELS check)
