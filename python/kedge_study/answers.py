@@ -4,6 +4,7 @@ import hashlib
 import importlib.util
 import json
 import re
+import sys
 
 import numpy as np
 
@@ -202,6 +203,8 @@ def function_of(study, text, where):
     file, _, name = text.partition(":")
     path = study.folder / file
     spec = importlib.util.spec_from_file_location(f"study_{path.stem}", path)
+    if str(study.folder) not in sys.path:
+        sys.path.insert(0, str(study.folder))  # for what the file imports from its neighbours
     try:
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)

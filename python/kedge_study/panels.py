@@ -119,8 +119,9 @@ def cost(axes, study, part, chart, results):
     axes.set(xscale="log", yscale="log", xlabel="CPU time / s",
              ylabel=f"{head if 'error' in head else 'error of ' + head} / %")
     _plain_ticks(axes)
-    if len(known) < len(results):
-        axes.set_title(f"{len(results) - len(known)} of {len(results)} runs have no answer", color="C3")
+    lost = sum(result.answers.get(answer) is None for result in results)
+    if lost:
+        axes.set_title(f"{lost} of {len(results)} runs have no answer", color="C3")
     _legend(axes)
 
 
