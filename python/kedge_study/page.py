@@ -1,6 +1,7 @@
 """The page of a study: Markdown for the repository, and one HTML file that holds everything."""
 import base64
 import html
+import textwrap
 
 from . import convergence as orders
 from . import pictures
@@ -111,22 +112,28 @@ def failures(results):
 
 
 def _markdown(study, sections, results):
-    text = f"# {study.title}\n\n{study.question}\n"
+    text = f"# {study.title}\n\n{_wrapped(study.question)}\n"
     if study.source:
-        text += f"\nReference: {study.source}\n"
+        text += f"\n{_wrapped(f'Reference: {study.source}')}\n"
     for name, of_part, n, charts in sections:
         part = study.parts[name]
         head, rows = table(study, part, of_part)
-        text += f"\n## {part.get('title', name)}\n\n" + (part["text"] + "\n\n" if "text" in part else "")
+        text += f"\n## {part.get('title', name)}\n\n"
+        text += _wrapped(part["text"]) + "\n\n" if "text" in part else ""
         for caption, chart in charts:
             caption = caption or part.get("title", name)
-            text += f"![{caption}]({chart.name}.png)\n\n"
+            text += _wrapped(f"![{caption}]({chart.name}.png)") + "\n\n"
         text += "\n".join("| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]) + "\n"
         lines = convergence_lines(study, part, of_part) + failures(of_part)
         if n > len(of_part):
             lines.append(f"{n - len(of_part)} of {n} runs are missing.")
-        text += ("\n" + "\n".join(f"- {line}" for line in lines) + "\n") if lines else ""
-    return text + f"\n{provenance(results)}\n"
+        text += ("\n" + "\n".join(_wrapped(f"- {line}", "  ") for line in lines) + "\n") if lines else ""
+    return text + f"\n{_wrapped(provenance(results))}\n"
+
+
+def _wrapped(text, indent=""):
+    """Text in lines of at most 120 characters."""
+    return textwrap.fill(text, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def _picture(chart, text):
