@@ -44,6 +44,12 @@ class Run:
             raise RunError(f"{self.folder}: holds no summary.json that lists stages")
         return self.summary["stages"]
 
+    def step_before(self, stage):
+        """The step counter at the start of a stage, from 1: the number of the last step before it."""
+        if not 0 < stage <= len(self.stages):
+            raise RunError(f"{self.folder}: has no stage {stage}; it has stages 1 to {len(self.stages)}")
+        return 1 + sum(entry["steps"] for entry in self.stages[:stage - 1])
+
     @property
     def newton_iterations(self):
         """Newton iterations of every step that the log shows."""
