@@ -1,21 +1,23 @@
 """Triangles between the material points of a section, which fill the cracks between their boxes."""
 import numpy as np
 from matplotlib.tri import Triangulation
+from scipy.spatial import cKDTree
 
-LONGEST = 1.  # edge over the sum of the diagonals of the boxes at its ends; a larger gap is a void
+WIDEST = 0.9  # gap between two boxes over their mean width; a wider gap is a void
 
 
 def triangles_between(lower, upper, outline):
     """Delaunay's triangles between the centres of boxes (n, 2), without those that span a void or cross a body's
     outline (segments, 2 ends, 2 coordinates). None if the centres span no area."""
-    centre, diagonal = (lower + upper) / 2., np.linalg.norm(upper - lower, axis=1)
+    centre, width = (lower + upper) / 2., upper - lower
     try:
         triangulation = Triangulation(*centre.T)
     except (RuntimeError, ValueError):  # fewer than three points, or all on a line
         return None
     edges = triangulation.edges
-    bad = np.linalg.norm(centre[edges[:, 0]] - centre[edges[:, 1]], axis=1) > LONGEST * diagonal[edges].sum(axis=1)
-    bad[~bad] = _cross(centre[edges[~bad]], outline)
+    distance, touching = abs(centre[edges[:, 0]] - centre[edges[:, 1]]), width[edges].mean(axis=1)
+    bad = (distance > (1. + WIDEST) * touching).any(axis=1)
+    bad[~bad] = crossing(centre[edges[~bad]], outline)
     keys = _keys(edges[bad], len(centre))
     corners = triangulation.triangles
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1)
@@ -28,11 +30,23 @@ def _keys(edges, n):
     return edges.min(axis=-1).astype(np.int64) * n + edges.max(axis=-1)
 
 
-def _cross(segments, others):
+def crossing(segments, others):
     """Whether each segment (n, 2, 2) crosses one of the others (m, 2, 2)."""
     crossed = np.zeros(len(segments), dtype=bool)
+    if len(segments) == 0 or len(others) == 0:
+        return crossed
+    half, longest = (np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) / 2. for lines in (segments, others))
+    distance, _ = cKDTree(others.mean(axis=1)).query(segments.mean(axis=1))
+    candidates = np.flatnonzero(distance <= half + longest.max())
+    crossed[candidates] = _crossing_nearby(segments[candidates], others)
+    return crossed
+
+
+def _crossing_nearby(segments, others):
+    crossed = np.zeros(len(segments), dtype=bool)
+    low, high = segments.min(axis=1), segments.max(axis=1)
     for other in others:
-        near = (segments.max(axis=1) >= other.min(axis=0)) & (segments.min(axis=1) <= other.max(axis=0))
+        near = (high >= other.min(axis=0)) & (low <= other.max(axis=0))
         near = near.all(axis=1) & ~crossed
         a, b = segments[near, 0], segments[near, 1]
         crossed[near] = (_side(a, b, other[0]) != _side(a, b, other[1])) & (_side(*other, a) != _side(*other, b))
