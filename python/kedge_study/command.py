@@ -80,7 +80,7 @@ def _study(options):
         if not ended:
             print("interrupted; the same command goes on", file=sys.stderr)
             return 130
-    found = results.of_runs(study, cases, work)
+    found = results.of_runs(study, cases, work) if work.is_dir() else {}
     if options.draw:
         found = results.of_table(study, cases, study.folder) | found
         found = {case.input: found[case.input] for case in cases if case.input in found}
