@@ -64,6 +64,7 @@ struct SurfaceParameters
   std::vector<std::array<double, 2>> outline; ///< 2-D only, [x, z]
   unsigned int point = 1;                     ///< numbered from 1
   InterfaceParameters interface;              ///< only the values that differ from "contact"
+  bool warns_of_sharp_edges = true;
 };
 
 struct TrackedNodeParameters
