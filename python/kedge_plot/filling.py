@@ -3,26 +3,36 @@ import numpy as np
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
-WIDEST = 0.9  # gap between two boxes over their mean width; a wider gap is a void
+LARGEST = 1.25  # radius of a triangle's circumcircle over the mean width of the boxes at its corners: beyond it, a void
 
 
 def triangles_between(lower, upper, outline):
     """Delaunay's triangles between the centres of boxes (n, 2), without those that span a void or cross a body's
-    outline (segments, 2 ends, 2 coordinates). None if the centres span no area."""
-    centre, width = (lower + upper) / 2., upper - lower
+    outline (segments, 2 ends, 2 coordinates). None if the centres span no area.
+
+    Voids are told from cracks as in alpha shapes (Edelsbrunner, Kirkpatrick & Seidel 1983, IEEE Trans. Inf. Theory 29):
+    a circle that fits between the points and is larger than the boxes is empty. A missing box is a crack, four are not.
+    """
+    centre, width = (lower + upper) / 2., np.sqrt(np.prod(upper - lower, axis=1))
     try:
         triangulation = Triangulation(*centre.T)
     except (RuntimeError, ValueError):  # fewer than three points, or all on a line
         return None
-    edges = triangulation.edges
-    distance, touching = abs(centre[edges[:, 0]] - centre[edges[:, 1]]), width[edges].mean(axis=1)
-    bad = (distance > (1. + WIDEST) * touching).any(axis=1)
-    bad[~bad] = crossing(centre[edges[~bad]], outline)
-    keys = _keys(edges[bad], len(centre))
-    corners = triangulation.triangles
+    corners, edges = triangulation.triangles, triangulation.edges
+    keys = _keys(edges[crossing(centre[edges], outline)], len(centre))
     sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1)
-    triangulation.set_mask(np.isin(_keys(sides, len(centre)), keys).any(axis=1))
+    triangulation.set_mask(np.isin(_keys(sides, len(centre)), keys).any(axis=1)
+                           | (_circumradius(centre[corners]) > LARGEST * width[corners].mean(axis=1)))
     return triangulation
+
+
+def _circumradius(triangles):
+    """Radii of the circles through the corners of triangles (n, 3, 2); infinite for corners on a line."""
+    sides = triangles - np.roll(triangles, 1, axis=1)
+    twice_area = abs(np.linalg.det(sides[:, :2]))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radius = np.prod(np.linalg.norm(sides, axis=2), axis=1) / (2. * twice_area)
+    return np.where(twice_area > 0., radius, np.inf)
 
 
 def _keys(edges, n):

@@ -50,6 +50,10 @@ class SectionCut(TemporaryFolder):
         pair = [[0., 0.], [0., 1.]]
         self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]]), 1.4)
         self.assertAlmostEqual(area([*pair, [3.4, 0.], [3.4, 1.]]), 0.)
+        grid = np.stack(np.meshgrid(np.arange(6.), np.arange(6.)), axis=-1).reshape(-1, 2)
+        for missing, lost in ((1, 0.), (2, 9. - 4 * 0.5)):  # a larger void keeps only its cut corners
+            hole = ((grid >= 2.) & (grid < 2. + missing)).all(axis=1)
+            self.assertAlmostEqual(area(grid[~hole]), 25. - lost)
         wall = [[1.2, -5.], [1.2, 5.]]
         self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], wall), 0.)
         self.assertAlmostEqual(area([*pair, [1.4, 0.], [1.4, 1.]], [[1.2, 5.], [1.2, 9.]]), 1.4)
