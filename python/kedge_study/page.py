@@ -7,7 +7,7 @@ from . import convergence as orders
 from . import pictures
 from .cases import varied
 from .charts import charts_of, draw
-from .panels import main_answer, points_of, series
+from .panels import main_answer, points_of, series, shown
 from .progress import duration
 
 CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}
@@ -73,8 +73,8 @@ def convergence_lines(study, part, results):
     for chart in charts_of(study, part):
         if chart["kind"] != "convergence":
             continue
-        answer = main_answer(study, chart)
-        for group in series(study, results, chart["over"]):
+        answer, of_chart = main_answer(study, chart), shown(study, chart, results)
+        for group in series(study, of_chart, chart["over"]):
             sizes, values = points_of(group, chart["over"], answer)
             known = group[0].references.get(answer, [])
             text = []
@@ -84,7 +84,7 @@ def convergence_lines(study, part, results):
                 text.append(f"order {order:.2f}")
             if known and known[0][1] and (order := orders.order_of_errors(sizes, values / known[0][1] - 1.)):
                 text.append(f"order of the error {order:.2f}")
-            names = [name for name in varied(study, [r.case for r in results]) if name != chart["over"]]
+            names = [name for name in varied(study, [r.case for r in of_chart]) if name != chart["over"]]
             which = ", ".join(f"{study.label(name).partition(' / ')[0]} {study.text(name, group[0].case.values[name])}"
                               for name in names)
             if text:

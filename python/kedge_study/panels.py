@@ -17,6 +17,12 @@ def main_answer(study, chart):
     return chart.get("answer") or next(iter(study.references), next(iter(study.answers), None))
 
 
+def shown(study, chart, results):
+    """The results that a chart is about."""
+    where = f"{study.path}: charts.only"
+    return [result for result in results if evaluate(chart.get("only", 1), result.case.names, where)]
+
+
 def has_content(study, chart, results):
     """Whether there is anything to draw."""
     if chart["kind"] == "curves":
