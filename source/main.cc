@@ -5,8 +5,7 @@
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/geometry/command.h>
-#include <kedge/simulation/estimate.h>
-#include <kedge/simulation/scene_warnings.h>
+#include <kedge/simulation/check.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/simulation/version.h>
 
@@ -25,7 +24,7 @@ struct Arguments
 {
   std::string file, output;
   std::vector<std::string> overrides;
-  bool cpu = false, quiet = false, verbose = false, restart = false;
+  bool cpu = false, quiet = false, verbose = false, restart = false, json = false;
 };
 
 ExitCode run(const Arguments& arguments)
@@ -48,11 +47,9 @@ void check(const Arguments& arguments)
 {
   const kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
   kedge::refuse_unavailable_features(input);
-  const kedge::RigidSystems bodies = kedge::make_rigid_systems(input.systems, input.dimension);
-  fmt::print("{}: valid\n", arguments.file);
-  for (const std::string& warning : kedge::find_warnings(input, bodies))
-    fmt::print("warning: {}\n", warning);
-  fmt::print("{}", kedge::format_estimate(input, kedge::estimate_cost(input)));
+  const kedge::CheckResult result = kedge::check_scene(input);
+  fmt::print("{}",
+             arguments.json ? kedge::check_as_json(input, result) : kedge::format_check(input, result, arguments.file));
 }
 
 void add_file_arguments(CLI::App& command, Arguments& arguments)
@@ -90,6 +87,7 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and estimate the cost of its run");
   add_file_arguments(check_command, arguments);
+  check_command.add_flag("--json", arguments.json, "Print the effective input, warnings and cost as one JSON object");
   check_command.final_callback(
       [&]
       {

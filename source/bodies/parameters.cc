@@ -1,5 +1,6 @@
 #include <cmath>
 #include <kedge/bodies/parameters.h>
+#include <kedge/bodies/surface.h>
 #include <kedge/parameters/section.h>
 
 namespace kedge
@@ -135,8 +136,13 @@ Section<SurfaceParameters> outline_section()
   Section<P> section("A closed polygon welded to a point, in 2-D");
   section.required("polygon", &P::outline, list_of(fixed_list<2>(number("m"), Layout{2, 2, "[x, z]", "[x, z]"}), 3),
                    "Corners in order; the last is joined to the first");
+  section.optional("edge radius", &P::edge_radius, number("m", not_negative()),
+                   "Radius of the arcs that replace convex corners, in chords over at most 22.5 degrees; mass and "
+                   "inertia do not follow");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
   section.include(interface_section(false), &P::interface);
+  section.check([](const P& surface, const Place& place)
+                { round_outline(surface.outline, surface.edge_radius, place.path()); });
   return section;
 }
 

@@ -35,7 +35,8 @@ RigidSystems make_rigid_systems(const std::vector<SystemParameters>& parameters,
       const SurfaceParameters& surface = system.surfaces[i];
       const PointParameters& point = system.points[surface.point - 1];
       const std::string path = fmt::format("rigid bodies[{}].{}[{}]", s, dim == 3 ? "stl files" : "outline", i);
-      TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path) : extrude_outline(surface.outline, path);
+      TriangleMesh mesh = dim == 3 ? read_stl(surface.stl, path)
+                                   : extrude_outline(round_outline(surface.outline, surface.edge_radius, path), path);
       // The input gives surfaces in global coordinates before the offset, like the points.
       systems.surfaces.push_back({Surface(in_body_frame(std::move(mesh), to_world_axes(point.position, dim))),
                                   first + surface.point - 1, surface.interface});

@@ -62,23 +62,43 @@ bool cross(const Point& a, const Point& b, const Point& c, const Point& d)
   return turn(a, b, c) * turn(a, b, d) < 0. && turn(c, d, a) * turn(c, d, b) < 0.;
 }
 
+std::string text_of(const Point& x) { return fmt::format("[{:.6g}, {:.6g}]", x[0], x[1]); }
+
+double distance(const Point& a, const Point& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
+
+/// Twice the area; positive where the outline runs counter-clockwise.
+double twice_area(const std::vector<Point>& outline)
+{
+  double area = 0.;
+  for (std::size_t i = 0; i < outline.size(); ++i)
+    area += turn(outline[0], outline[i], outline[(i + 1) % outline.size()]);
+  return area;
+}
+
+/// Angle by which the outline turns at b, rad; `sense` is 1 where left turns are positive, -1 where right ones are.
+double corner_angle(const Point& a, const Point& b, const Point& c, const double sense)
+{
+  const double along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
+  return std::atan2(sense * turn(a, b, c), along);
+}
+
 void check_outline(const std::vector<Point>& outline, const std::string& json_path)
 {
   const std::size_t n = outline.size();
   if (n < 3)
     throw InputError(json_path, fmt::format("an outline of {} points encloses nothing", n),
                      "give at least three points");
-  const auto at = [](const Point& x) { return fmt::format("[{:.6g}, {:.6g}]", x[0], x[1]); };
   for (std::size_t i = 0; i < n; ++i)
   {
     const Point &a = outline[i], &b = outline[(i + 1) % n];
     if (a == b)
-      throw InputError(json_path, "the outline repeats the point " + at(a), "remove one; the outline closes by itself");
+      throw InputError(json_path, "the outline repeats the point " + text_of(a),
+                       "remove one; the outline closes by itself");
     for (std::size_t j = i + 2; j < n; ++j)
       if (cross(a, b, outline[j], outline[(j + 1) % n]))
         throw InputError(json_path,
                          fmt::format("the outline crosses itself: the side from {} to {} and the side from {} to {}",
-                                     at(a), at(b), at(outline[j]), at(outline[(j + 1) % n])),
+                                     text_of(a), text_of(b), text_of(outline[j]), text_of(outline[(j + 1) % n])),
                          "order the points along the outline");
   }
 }
@@ -87,33 +107,78 @@ void check_outline(const std::vector<Point>& outline, const std::string& json_pa
 double sharpest_corner_radius(const std::vector<Point>& outline)
 {
   const std::size_t n = outline.size();
-  double area = 0., smallest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < n; ++i)
-    area += turn(outline[0], outline[i], outline[(i + 1) % n]);
+  const double sense = std::copysign(1., twice_area(outline));
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i)
   {
     const Point &a = outline[(i + n - 1) % n], &b = outline[i], &c = outline[(i + 1) % n];
-    const double in[2] = {b[0] - a[0], b[1] - a[1]}, out[2] = {c[0] - b[0], c[1] - b[1]};
-    const double angle = std::atan2(std::copysign(1., area) * turn(a, b, c), in[0] * out[0] + in[1] * out[1]);
     smallest =
-        std::min(smallest, rounding_radius(angle, std::hypot(in[0], in[1]) / 2., std::hypot(out[0], out[1]) / 2.));
+        std::min(smallest, rounding_radius(corner_angle(a, b, c, sense), distance(a, b) / 2., distance(b, c) / 2.));
   }
   return smallest;
+}
+
+std::vector<Point> round_outline(const std::vector<Point>& outline, const double radius, const std::string& json_path)
+{
+  if (radius == 0.)
+    return outline;
+  const std::size_t n = outline.size();
+  const double sense = std::copysign(1., twice_area(outline));
+  std::vector<double> angles(n); // of the arcs, rad; 0 at corners that stay
+  for (std::size_t i = 0; i < n; ++i)
+    angles[i] = std::max(0., corner_angle(outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n], sense));
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const Point &a = outline[i], &b = outline[(i + 1) % n];
+    const double tangents = std::tan(angles[i] / 2.) + std::tan(angles[(i + 1) % n] / 2.), length = distance(a, b);
+    if (radius * tangents > length * (1. + 1e-9))
+      throw InputError(json_path + ".edge radius",
+                       fmt::format("the side from {} to {}, {:.4g} m long, is too short for arcs of {:.4g} m",
+                                   text_of(a), text_of(b), length, radius),
+                       fmt::format("give at most {:.4g}, or lengthen the side", length / tangents));
+  }
+
+  std::vector<Point> rounded;
+  const auto add = [&](const Point& x)
+  {
+    // arcs that use up a side share a point, up to round-off
+    if (rounded.empty() || distance(rounded.back(), x) > 1e-9 * radius)
+      rounded.push_back(x);
+  };
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const Point &before = outline[(i + n - 1) % n], &corner = outline[i];
+    if (angles[i] == 0.)
+    {
+      add(corner);
+      continue;
+    }
+    const double length = distance(before, corner), tangent = radius * std::tan(angles[i] / 2.);
+    const Point along{(corner[0] - before[0]) / length, (corner[1] - before[1]) / length};
+    const Point inwards{-sense * along[1], sense * along[0]};
+    const double chords = std::max(1., std::ceil(angles[i] / (M_PI / 8.) - 1e-9)); // round-off must not add one
+    for (int k = 0; k <= chords; ++k)
+    {
+      const double angle = angles[i] * k / chords;
+      const double forwards = radius * std::sin(angle) - tangent, sideways = radius * (1. - std::cos(angle));
+      add({corner[0] + forwards * along[0] + sideways * inwards[0],
+           corner[1] + forwards * along[1] + sideways * inwards[1]});
+    }
+  }
+  if (distance(rounded.back(), rounded.front()) <= 1e-9 * radius)
+    rounded.pop_back();
+  return rounded;
 }
 
 TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::string& json_path)
 {
   check_outline(outline, json_path);
-  // Area and size; a clockwise outline is reversed.
   const std::size_t n = outline.size();
-  double area = 0., size = 0.;
-  for (std::size_t i = 0; i < n; ++i)
-  {
-    area += turn(outline[0], outline[i], outline[(i + 1) % n]) / 2.;
-    size = std::max({size, std::abs(outline[i][0] - outline[0][0]), std::abs(outline[i][1] - outline[0][1])});
-  }
+  double size = 0.;
+  for (const Point& x : outline)
+    size = std::max({size, std::abs(x[0] - outline[0][0]), std::abs(x[1] - outline[0][1])});
   std::vector<Point> polygon = outline;
-  if (area < 0.)
+  if (twice_area(outline) < 0.)
     polygon.assign(outline.rbegin(), outline.rend());
   const std::vector<std::array<unsigned int, 3>> cap = cut_ears(polygon);
   if (cap.size() + 2 != n)

@@ -63,7 +63,8 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
     {
       const WeldedSurface& welded = bodies.surfaces[number++];
       const double radius =
-          dim == 3 ? welded.surface.sharpest_edge_radius() : sharpest_corner_radius(parameters.outline);
+          dim == 3 ? welded.surface.sharpest_edge_radius()
+                   : sharpest_corner_radius(round_outline(parameters.outline, parameters.edge_radius, "outline"));
       if (const std::string warning = find_sharp_edge(number, radius, particle); !warning.empty())
         warnings.push_back(warning);
       if (adhesion_is_idle(parameters.interface.or_else(input.contact.interface)))

@@ -62,6 +62,7 @@ struct SurfaceParameters
 {
   std::string stl;                            ///< path, resolved against the folder of the input file
   std::vector<std::array<double, 2>> outline; ///< 2-D only, [x, z]
+  double edge_radius = 0.;                    ///< of the outline's convex corners, m; see round_outline
   unsigned int point = 1;                     ///< numbered from 1
   InterfaceParameters interface;              ///< only the values that differ from "contact"
 };

@@ -60,6 +60,12 @@ TriangleMesh read_stl(const std::string& file, const std::string& json_path);
 /// Writes binary STL: coordinates are rounded to single precision. Throws FileError.
 void write_stl(const TriangleMesh& mesh, const std::string& file);
 
+/// The outline with an arc of `radius` (m) in place of every convex corner. The arc touches both sides; its chords turn
+/// by at most 22.5 degrees each, so they lie at most 0.02 radii inside it. Throws InputError with `json_path` in front
+/// where a side is too short for the arcs at its ends.
+std::vector<std::array<double, 2>> round_outline(const std::vector<std::array<double, 2>>& outline, double radius,
+                                                 const std::string& json_path);
+
 /// The prism that represents a plane-strain body. `outline` is a closed polygon of [x, z], in either direction and
 /// without repeating the first point. It is extruded along y so far that a query at y = 0 never sees the end caps.
 /// Throws InputError with `json_path` in front if the polygon is degenerate or crosses itself.

@@ -296,6 +296,56 @@ TEST(Outline, QueriesInThePlaneStayInThePlane)
   }
 }
 
+TEST(Outline, RoundedConvexCornersTouchBothSides)
+{
+  // The corner at [1, 1] is concave and stays.
+  const std::vector<std::array<double, 2>> angle = {{0., 0.}, {2., 0.}, {2., 1.}, {1., 1.}, {1., 2.}, {0., 2.}};
+  const double r = 0.25;
+  for (const bool reversed : {false, true})
+  {
+    std::vector<std::array<double, 2>> outline = angle;
+    if (reversed)
+      std::reverse(outline.begin(), outline.end());
+    const auto rounded = round_outline(outline, r, "outline");
+    EXPECT_EQ(rounded.size(), 5u * 5u + 1u); // a quarter turn has four chords
+    EXPECT_EQ(std::count(rounded.begin(), rounded.end(), angle[3]), 1);
+    for (const auto& x : rounded)
+      if (x[0] < r && x[1] < r)
+      {
+        EXPECT_NEAR(std::hypot(x[0] - r, x[1] - r), r, 1e-14);
+      }
+    // Each corner loses the square of r less a quarter of a regular polygon of 16 sides.
+    const TriangleMesh mesh = extrude_outline(rounded, "outline");
+    const double lost = 5. * r * r * (1. - 2. * std::sin(M_PI / 8.));
+    EXPECT_NEAR(mass_properties(mesh).volume / 16., 3. - lost, 1e-12);
+    EXPECT_NEAR(sharpest_corner_radius(rounded), r, 0.02 * r);
+  }
+}
+
+TEST(Outline, ArcsMayUseUpWholeSides)
+{
+  const auto rounded = round_outline({{0., 0.}, {2., 0.}, {2., 2.}, {0., 2.}}, 1., "outline");
+  EXPECT_EQ(rounded.size(), 16u);
+  for (const auto& x : rounded)
+    EXPECT_NEAR(std::hypot(x[0] - 1., x[1] - 1.), 1., 1e-14);
+  EXPECT_EQ(round_outline({{0., 0.}, {1., 0.}, {0., 1.}}, 0., "outline").size(), 3u);
+}
+
+TEST(Outline, SidesTooShortForTheirArcsAreRefused)
+{
+  try
+  {
+    round_outline({{0., 0.}, {4., 0.}, {4., 1.}, {0., 1.}}, 0.6, "rigid bodies[0].outline[1]");
+    FAIL();
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_EQ(error.path, "rigid bodies[0].outline[1].edge radius");
+    EXPECT_NE(std::string(error.what()).find("from [4, 0] to [4, 1], 1 m long, is too short"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("at most 0.5"), std::string::npos);
+  }
+}
+
 TEST(Outline, BadOutlinesAreRefused)
 {
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}}, "outline"), InputError);

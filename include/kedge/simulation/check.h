@@ -1,0 +1,23 @@
+// What `kedge check` prints about an input: warnings and the cost of a run, as text or as JSON.
+#pragma once
+
+#include <kedge/simulation/estimate.h>
+#include <string>
+#include <vector>
+
+namespace kedge
+{
+struct CheckResult
+{
+  std::vector<std::string> warnings;
+  std::vector<StageEstimate> stages;
+};
+
+CheckResult check_scene(const Input& input);
+
+/// For people: `name` of the input, warnings, the table of stages.
+std::string format_check(const Input& input, const CheckResult& result, const std::string& name);
+
+/// For programs: one object on one line with `version`, `warnings`, `input` and `stages`; bytes and seconds.
+std::string check_as_json(const Input& input, const CheckResult& result);
+} // namespace kedge
