@@ -22,5 +22,20 @@ foreach(scene ${scenes})
 endforeach()
 add_test(NAME scene-restart COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/scenes/restart $<TARGET_FILE:kedge>)
 set_tests_properties(scene-restart PROPERTIES LABELS scene TIMEOUT 900 PROCESSORS 2)
-add_test(NAME command-line COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/command-line $<TARGET_FILE:kedge>)
+
+# The smallest form of each study: it runs, and its answers are near what they should be.
+file(GLOB studies CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/benchmarks/*/*.study.json)
+foreach(study ${studies})
+  get_filename_component(folder ${study} DIRECTORY)
+  get_filename_component(folder ${folder} NAME)
+  get_filename_component(name ${study} NAME_WE)
+  add_test(NAME study-${folder}-${name}
+           COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/python/kedge-study ${study} --quick --jobs 1 --again
+                   --program $<TARGET_FILE:kedge> --output ${PROJECT_BINARY_DIR}/studies-test/${folder}/${name})
+  set_tests_properties(study-${folder}-${name} PROPERTIES LABELS study TIMEOUT 300)
+endforeach()
+add_test(NAME command-line
+         COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/command-line $<TARGET_FILE:kedge>)
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
+add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
+set_tests_properties(commit PROPERTIES LABELS check)

@@ -14,20 +14,30 @@ KINDS = {"stress": ("stress_xx", "−σxx (compression) / kPa", -1e-3, 5., (0., 
          "displacement": ("displacement magnitude", "displacement / mm", 1e3, 5., (0., 50.), "zy", 0.)}
 
 
-def draw_sections(runs, kind, path):
-    """Draws one row per (case, run) and one column per section."""
+def stress(runs, path):
+    """Horizontal pressure in the horizontal section. runs: pairs of values and run."""
+    _draw_sections(runs, "stress", path)
+
+
+def displacement(runs, path):
+    """Displacement in the horizontal and the vertical section."""
+    _draw_sections(runs, "displacement", path)
+
+
+def _draw_sections(runs, kind, path):
+    """Draws a row per run and a column per section."""
     field, label, factor, line, limits, planes, radius = KINDS[kind]
     shape = (len(runs), 1) if len(planes) > 1 else ((len(runs) + 1) // 2, 2)
     columns = len(planes) * shape[1]
     height = 2.2 * shape[0] * (1.2 if len(planes) > 1 else 1.)
     figure, axes = plt.subplots(shape[0], columns, figsize=(5.2 * columns, height), squeeze=False, layout="constrained")
-    for place, (case, run) in zip(axes.reshape(-1, len(planes)), runs):
+    for place, (values, run) in zip(axes.reshape(-1, len(planes)), runs):
         grids, step = run.soil()
         for panel, plane in zip(place, planes):
-            at = case.height if plane == "z" else 0.
+            at = values["height"] if plane == "z" else 0.
             section = cut(grids, run.surface(step), plane, at, field)
             boxes = _draw(panel, section, factor, line, limits, WINDOW[plane], radius)
-            panel.set_title(f"{case.shape}, {plane} = {at:g} m", fontsize=9)
+            panel.set_title(f"{values['shape']}, {plane} = {at:g} m", fontsize=9)
     for panel in axes.flat[len(runs) * len(planes):]:
         panel.set_axis_off()
     figure.colorbar(boxes, ax=axes, label=label, shrink=0.8)

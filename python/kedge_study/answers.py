@@ -85,7 +85,7 @@ def _curve(study, name, run, names):
     curve, where = study.curves[name], f"{study.path}: curves.{name}"
     try:
         if "function" in curve:
-            sides = _function(study, curve["function"], where)(run, names)
+            sides = function_of(study, curve["function"], where)(run, names)
             return tuple(np.asarray(side, dtype=float) for side in sides)
         columns = _table(curve.get("table", "bodies"), run)
     except RunError:
@@ -158,7 +158,7 @@ def _displacement(columns, run, body, axis, stage):
 def _answer(study, name, run, names, curves, answers):
     """A number; None where the run does not hold it."""
     answer, where = study.answers[name], f"{study.path}: answers.{name}"
-    known = names | {key: np.nan if value is None else value for key, value in answers.items()}
+    known = names | {_plain(key): np.nan if value is None else value for key, value in answers.items()}
     if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
         return None
     try:
@@ -172,10 +172,12 @@ def _answer(study, name, run, names, curves, answers):
         elif "points" in answer:
             columns = {_plain(key): run.points(key) for key in run.point_columns()}
             value = evaluate(answer["points"], known | columns, f"{where}.points")
+        elif "relative" in answer:
+            value = None  # results.add_relatives knows the other run
         elif "expression" in answer:
             value = evaluate(answer["expression"], known, f"{where}.expression")
         else:
-            value = _function(study, answer["function"], where)(run, names)
+            value = function_of(study, answer["function"], where)(run, names)
     except StudyError:
         raise
     except RunError:  # the run did not come so far
@@ -195,7 +197,7 @@ def _of_summary(summary, path):
     return value
 
 
-def _function(study, text, where):
+def function_of(study, text, where):
     """A function from a Python file beside the study."""
     file, _, name = text.partition(":")
     path = study.folder / file

@@ -12,10 +12,12 @@ from .expressions import evaluate, resolve
 
 @dataclass
 class Case:
-    """One run to make. values: parameters; names: these, constants and derived values; settings: (path, value) in the
-    order of the study; surfaces: words of kedge geometry by file name; input: hash of all that decides the result."""
+    """One run to make. values: parameters; names: these, constants and derived values; scene: path; settings: (path,
+    value) in the order of the study; surfaces: words of kedge geometry by file name; words: of a command; input: hash
+    of all that decides the result."""
     values: dict
     names: dict
+    scene: object
     settings: list
     surfaces: dict
     words: list
@@ -38,12 +40,18 @@ def cases_of(study, program, parts=None):
             raise StudyError(f"{study.path}: there is no part \"{name}\"; there are {', '.join(study.parts)}")
         result[name] = []
         for values in _combinations(study, study.parts[name]):
+            values = {key: _whole(value) for key, value in values.items()}
             key = json.dumps(values, sort_keys=True)
             if key not in known:
                 known[key] = make_case(study, values, program)
             if known[key] not in result[name]:
                 result[name].append(known[key])
     return result
+
+
+def _whole(value):
+    """Whole numbers without a point, so that 1e6 and 1000000 are the same value."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _combinations(study, part):
@@ -63,13 +71,13 @@ def _combinations(study, part):
 def make_case(study, values, program):
     """The case with these values of the parameters."""
     where = str(study.path)
-    names = {}
+    values, names = {key: _whole(value) for key, value in values.items()}, {}
     for name, value in study.constants.items():
         names[name] = resolve(value, names, f"{where}: constants.{name}")
     names |= values
     for name, expression in study.derived.items():
         names[name] = evaluate(expression, names, f"{where}: derived.{name}")
-    surfaces = {file: [str(word) for word in resolve(words, names, f"{where}: geometry.{file}")]
+    surfaces = {file: _words(resolve(words, names, f"{where}: geometry.{file}"))
                 for file, words in study.geometry.items()}
 
     def surface(file):
@@ -77,28 +85,34 @@ def make_case(study, values, program):
             raise StudyError(f"{where}: surface('{file}') is not made by \"geometry\"")
         return f"$SURFACES/{file}"
 
+    groups = [study.set] + [entry["set"] for index, entry in enumerate(study.when)
+                            if evaluate(entry["if"], names, f"{where}: when[{index}].if")]
     settings = [(path, resolve(value, names, f"{where}: set.{path}", surface=surface))
-                for path, value in study.set.items()]
-    words = [str(resolve(word, names, f"{where}: command[{index}]")) for index, word in enumerate(study.command)]
+                for group in groups for path, value in group.items()]
+    words = _words(resolve(study.command, names, f"{where}: command"))
+    scene = study.folder / resolve(study.scene, names, f"{where}: scene") if study.scene else None
     ranks = int(evaluate(study.ranks, names, f"{where}: ranks"))
     chosen = resolve(study.program, names, f"{where}: program") if study.program else ""
     chosen = study.folder / chosen if chosen else pathlib.Path(program)
-    scene = scene_of(study)
-    content = {"scene": _without_comments(scene), "settings": settings, "surfaces": surfaces, "words": words,
-               "ranks": ranks, "files": _hashes_of_surfaces(study, scene)}
+    content = {"scene": _without_comments(content_of(scene)), "settings": settings, "surfaces": surfaces,
+               "words": words, "ranks": ranks, "files": _hashes_of_surfaces(scene)}
     key = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
-    return Case(values, names, settings, surfaces, words, ranks, chosen, _name(study, values), key)
+    return Case(values, names, scene, settings, surfaces, words, ranks, chosen, _name(study, values), key)
 
 
-def scene_of(study):
-    """The scene's content; empty for a command."""
-    if not study.scene:
+def _words(values):
+    """Words of a command from values and lists of values."""
+    return [str(word) for value in values for word in (value if isinstance(value, (list, tuple)) else [value])]
+
+
+def content_of(scene):
+    """Content of an input file; empty without one."""
+    if not scene:
         return {}
-    path = study.folder / study.scene
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(scene.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise StudyError(f"{study.path}: scene: {path} cannot be read ({error})") from error
+        raise StudyError(f"{scene}: cannot be read ({error})") from error
 
 
 def _without_comments(value):
@@ -107,12 +121,12 @@ def _without_comments(value):
     return [_without_comments(entry) for entry in value] if isinstance(value, list) else value
 
 
-def _hashes_of_surfaces(study, scene):
-    """Hashes of the files of surfaces that the scene names, in their order."""
+def _hashes_of_surfaces(scene):
+    """Hashes of the files of surfaces that a scene names, in their order."""
     result = []
-    for system in scene.get("rigid bodies", []):
+    for system in content_of(scene).get("rigid bodies", []):
         for entry in system.get("stl files", []):
-            path = study.folder / pathlib.Path(study.scene).parent / entry.get("stl", "")
+            path = scene.parent / entry.get("stl", "")
             result.append(hashlib.sha256(path.read_bytes()).hexdigest()[:12] if path.is_file() else "")
     return result
 

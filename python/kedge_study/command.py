@@ -9,7 +9,7 @@ import sys
 from kedge_runs import RunError
 from kedge_runs.program import ROOT
 
-from . import StudyError, execute, page, results
+from . import StudyError, execute, page, records, results
 from .cases import cases_of
 from .progress import duration, seconds
 from .study import SCHEMA, load
@@ -43,6 +43,7 @@ def parser():
     options.add_argument("--work", type=pathlib.Path, metavar="DIR", help="folder for the runs (default: DIR/runs)")
     options.add_argument("--keep", action="store_true",
                          help="put table, curves and charts beside the study, too: the kept results")
+    options.add_argument("--again", action="store_true", help="repeat the runs that are there")
     options.add_argument("--mix", action="store_true", help="allow results of several versions of the program")
     return options
 
@@ -86,9 +87,10 @@ def _study(options):
     if not found:
         raise StudyError(f"{study.path}: there are no results yet" + (" of this input" if options.draw else ""))
     results.require_one_version(study, found, options.mix)
+    results.add_relatives(study, found)
     results.add_references(study, found)
     results.write_table(study, found, output)
-    print(page.write(study, parts, found, output))
+    print(page.write(study, parts, found, output, work))
     if options.keep:
         _keep(study, output)
     return 1 if _unexpected(study, found, len(cases)) else 0
@@ -96,6 +98,9 @@ def _study(options):
 
 def _run(study, cases, work, options):
     """Makes the missing runs; whether they all ended."""
+    if options.again:
+        for case in cases:
+            shutil.rmtree(case.folder(work, records.version_of(case.program)), ignore_errors=True)
     jobs = execute.missing(study, cases, work)
     if not jobs:
         print(f"{study.name}: all {len(cases)} runs are there")

@@ -2,13 +2,12 @@
 import copy
 import json
 import os
-import pathlib
 import subprocess
 
 from kedge_runs.program import ROOT
 
 from . import StudyError
-from .cases import scene_of
+from .cases import content_of
 
 
 def write_input(study, case, folder):
@@ -18,10 +17,10 @@ def write_input(study, case, folder):
         result = subprocess.run(make, capture_output=True, text=True, check=False)
         if result.returncode:
             raise StudyError(f"{study.path}: geometry.{file}: {result.stderr.strip() or result.stdout.strip()}")
-    scene = copy.deepcopy(scene_of(study))
+    scene = copy.deepcopy(content_of(case.scene))
     for system in scene.get("rigid bodies", []):
         for entry in system.get("stl files", []):
-            entry["stl"] = os.path.abspath(study.folder / pathlib.Path(study.scene).parent / entry["stl"])
+            entry["stl"] = os.path.abspath(case.scene.parent / entry["stl"])
     for path, value in case.settings:
         replace(scene, path, value, f"{study.path}: set.{path}")
     text = json.dumps(scene, indent=1).replace("$SURFACES", str(folder.resolve()))

@@ -3,6 +3,7 @@ import base64
 import html
 
 from . import convergence as orders
+from . import pictures
 from .cases import varied
 from .charts import charts_of, draw
 from .panels import main_answer, points_of, series
@@ -13,16 +14,17 @@ table{border-collapse:collapse;font-size:13px}td,th{border:1px solid #ccc;paddin
 td:first-child,th:first-child{text-align:left}img{max-width:100%}.failed td{color:#b00}small{color:#666}"""
 
 
-def write(study, parts, results, folder):
-    """Draws the parts and writes results.md and the HTML page of a study; parts: cases by the name of their part,
-    results: by input. Returns the path of the HTML page."""
+def write(study, parts, results, folder, work):
+    """Draws the parts and writes the pages of a study, Markdown and HTML. parts: cases by the name of their part;
+    results: by input; work: folder of the runs. Returns the path of the HTML page."""
     sections = []
     for name, cases in parts.items():
         of_part = [results[case.input] for case in cases if case.input in results]
         if of_part:
             path = folder / f"{study.name}-{name.replace(' ', '-')}"
-            is_drawn = draw(study, study.parts[name], of_part, path)
-            sections.append((name, of_part, len(cases), path if is_drawn else None))
+            charts = [("", path)] if draw(study, study.parts[name], of_part, path) else []
+            charts += pictures.draw(study, name, of_part, folder, work)
+            sections.append((name, of_part, len(cases), charts))
     (folder / f"{study.name}.md").write_text(_markdown(study, sections, results), encoding="utf-8")
     page = folder / f"{study.name}.html"
     page.write_text(_html(study, sections, results), encoding="utf-8")
@@ -112,18 +114,28 @@ def _markdown(study, sections, results):
     text = f"# {study.title}\n\n{study.question}\n"
     if study.source:
         text += f"\nReference: {study.source}\n"
-    for name, of_part, n, chart in sections:
+    for name, of_part, n, charts in sections:
         part = study.parts[name]
         head, rows = table(study, part, of_part)
         text += f"\n## {part.get('title', name)}\n\n" + (part["text"] + "\n\n" if "text" in part else "")
-        if chart:
-            text += f"![{part.get('title', name)}]({chart.name}.png)\n\n"
+        for caption, chart in charts:
+            caption = caption or part.get("title", name)
+            text += f"![{caption}]({chart.name}.png)\n\n"
         text += "\n".join("| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]) + "\n"
         lines = convergence_lines(study, part, of_part) + failures(of_part)
         if n > len(of_part):
             lines.append(f"{n - len(of_part)} of {n} runs are missing.")
         text += ("\n" + "\n".join(f"- {line}" for line in lines) + "\n") if lines else ""
     return text + f"\n{provenance(results)}\n"
+
+
+def _picture(chart, text):
+    """A picture inside the page."""
+    file, kind = chart.with_suffix(".svg"), "svg+xml"
+    if not file.is_file():
+        file, kind = chart.with_suffix(".png"), "png"
+    data = base64.b64encode(file.read_bytes()).decode()
+    return f'<img alt="{html.escape(text)}" src="data:image/{kind};base64,{data}">'
 
 
 def _html(study, sections, results):
@@ -133,13 +145,12 @@ def _html(study, sections, results):
     body = f"<h1>{html.escape(study.title)}</h1><p>{html.escape(study.question)}</p>"
     if study.source:
         body += f"<p>Reference: {html.escape(study.source)}</p>"
-    for name, of_part, n, chart in sections:
+    for name, of_part, n, charts in sections:
         part = study.parts[name]
         head, rows = table(study, part, of_part)
         body += f"<h2>{html.escape(part.get('title', name))}</h2><p>{html.escape(part.get('text', ''))}</p>"
-        if chart:
-            picture = base64.b64encode(chart.with_suffix(".svg").read_bytes()).decode()
-            body += f'<img alt="{html.escape(name)}" src="data:image/svg+xml;base64,{picture}">'
+        for caption, chart in charts:
+            body += f"<p>{_picture(chart, caption or name)}<br>{html.escape(caption)}</p>"
         body += "<table><tr>" + "".join(cell(text, "th") for text in head) + "</tr>"
         for result, row in zip(of_part, rows):
             body += (f"<tr{'' if result.is_finished else ' class=failed'}>" + "".join(cell(text, "td") for text in row)

@@ -6,9 +6,10 @@ from . import convergence as orders
 from .cases import label, varied
 from .expressions import evaluate
 
-MOST_IN_LEGEND = 18
+MOST_INSIDE = 8  # entries of a legend inside the axes
 MARKERS = "osD^v<>ph*"
-OF_LEVEL = ("max", "mean", "end", "limit", "at")  # answers that a line at their reference suits
+LINES = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))  # of references
+OF_LEVEL = ("max", "mean", "end", "limit")  # answers that a line at their reference suits
 
 
 def main_answer(study, chart):
@@ -36,9 +37,9 @@ def curves(axes, study, part, chart, results):
         if name not in result.curves:
             continue
         x, y = result.curves[name]
-        style = "." if curve.get("style") == "points" else "-"
-        axes.plot(x, y, style, color=f"C{index % 10}", linewidth=1.2 if index < 10 else 0.8, markersize=3,
-                  linestyle=None if style == "." else ("-", "--", ":")[index // 10 % 3],
+        are_points = curve.get("style") == "points"
+        axes.plot(x, y, color=f"C{index % 10}", linewidth=1.2 if index < 10 else 0.8, markersize=3,
+                  marker="." if are_points else "", linestyle="" if are_points else ("-", "--", ":")[index // 10 % 3],
                   label=label(study, result.case, cases))
         if not result.is_finished and len(x):
             axes.plot(x[-1], y[-1], "x", color=f"C{index % 10}", markersize=8, markeredgewidth=2)
@@ -68,23 +69,28 @@ def _lines(axes, study, curve, where, results, ends):
             with np.errstate(all="ignore"):
                 y = evaluate(expression, result.case.names | {"x": x}, f"{where}.lines.{text}") + 0. * x
             if not any(np.allclose(y, other, equal_nan=True) for other in drawn):
-                axes.plot(x, y, color="0.35", linewidth=1., linestyle=("--", ":", "-.")[number % 3],
+                axes.plot(x, y, color="0.35", linewidth=1., linestyle=LINES[number % len(LINES)],
                           label=None if drawn else text)
                 drawn.append(y)
 
 
 def _levels(axes, study, curve, results):
-    """Horizontal lines at the references of the answers that are levels of this curve."""
-    drawn = []
+    """Horizontal lines at the first reference of the answers that are levels of this curve, in the colour of the run
+    where runs have references of their own."""
     for name, answer in study.answers.items():
-        if answer.get("curve") != curve or answer.get("take") not in OF_LEVEL or answer.get("take") == "at":
+        if answer.get("curve") != curve or answer.get("take") not in OF_LEVEL:
             continue
-        for result in results:
-            for source, value in result.references.get(name, []):
-                if not any(np.isclose(value, other) for other in drawn):
-                    axes.axhline(value, color="0.5", linestyle="--" if not drawn else ":", linewidth=0.9,
-                                 label=f"{source} {value:.4g}")
-                    drawn.append(value)
+        known = [(index, *result.references[name][0]) for index, result in enumerate(results)
+                 if result.references.get(name)]
+        values = {f"{value:.5g}" for _, _, value in known}
+        drawn = set()
+        for index, source, value in known:
+            if f"{value:.5g}" not in drawn:
+                drawn.add(f"{value:.5g}")
+                is_common = len(values) == 1
+                axes.axhline(value, color="0.4" if is_common else f"C{index % 10}", linestyle="--", linewidth=0.9,
+                             label=f"{source} {value:.4g}" if is_common else None)
+        return  # one answer is enough
 
 
 def cost(axes, study, part, chart, results):
@@ -167,7 +173,7 @@ def convergence(axes, study, part, chart, results):
 def _reference_lines(axes, group, answer, factor, colour):
     for number, (source, value) in enumerate(group[0].references.get(answer, [])):
         if value:
-            axes.axhline(value * factor, color=colour, linewidth=0.9, linestyle=("--", ":", "-.")[number % 3],
+            axes.axhline(value * factor, color=colour, linewidth=0.9, linestyle=LINES[number % len(LINES)],
                          label=f"  {source} {value * factor:.4g}")
 
 
@@ -184,7 +190,7 @@ def over(axes, study, part, chart, results):
                      if number < len(result.references.get(answer, []))]
             at, sources, wanted = zip(*known)
             axes.plot(np.array(at) * study.scale(over_), np.array(wanted) * study.scale(answer), color=f"C{index % 10}",
-                      linestyle=("--", ":", "-.")[number % 3], marker="+", linewidth=0.9, label="  " + sources[0])
+                      linestyle=LINES[number % len(LINES)], marker="+", linewidth=0.9, label="  " + sources[0])
     axes.set(xlabel=study.label(over_), ylabel=study.label(answer))
     _scale(axes, chart.get("scales"))
     _legend(axes)
@@ -269,9 +275,10 @@ def _scale(axes, scales):
 
 
 def _legend(axes):
+    """A legend inside the axes, or beside them where it is long."""
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles))
-    if 0 < len(unique) <= MOST_IN_LEGEND:
-        axes.legend(unique.values(), unique.keys())
-    elif unique:
-        axes.legend(unique.values(), unique.keys(), fontsize=5, ncol=2)
+    if not unique:
+        return
+    beside = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.)} if len(unique) > MOST_INSIDE else {}
+    axes.legend(unique.values(), unique.keys(), fontsize=7 if len(unique) < 25 else 5, **beside)

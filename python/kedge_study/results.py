@@ -6,6 +6,7 @@ import numpy as np
 
 from . import StudyError, answers, records
 from .expressions import evaluate
+from .study import RELATIVE_COSTS
 
 PROVENANCE = ("commit", "input", "ranks", "machine", "date")
 NUMBERS = {"CPU time / s": "cpu", "wall time / s": "wall", "memory / MB": "memory"}
@@ -73,7 +74,8 @@ def of_table(study, cases, folder):
 def _of_row(study, case, row, curves):
     numbers = {name: _number(row.get(name)) for name in [*study.answers, *answers.COSTS, *NUMBERS, "reached"]}
     return Result(case, row["status"], row["message"], numbers["reached"],
-                  {name: numbers[name] for name in study.answers}, curves, {name: numbers[name] for name in answers.COSTS},
+                  {name: numbers[name] for name in study.answers}, curves,
+                  {name: numbers[name] for name in answers.COSTS},
                   *(numbers[name] or 0. for name in ("CPU time / s", "wall time / s")),
                   1e6 * (numbers["memory / MB"] or 0.), {name: row[name] for name in PROVENANCE})
 
@@ -148,6 +150,23 @@ def _reference(name, reference, result, results, where):
              and {key: value for key, value in other.case.values.items() if key != refined} == others]
     finest = min(alike, key=lambda other: other.case.values[refined], default=None)
     return finest.answers[name] if finest and finest is not result else None
+
+
+def add_relatives(study, results):
+    """Gives each result the answers that are ratios to another run."""
+    for name, answer in study.answers.items():
+        if "relative" not in answer:
+            continue
+        wanted, field_name = answer["relative"], RELATIVE_COSTS.get(answer["relative"])
+
+        def of(result):
+            return getattr(result, field_name) if field_name else result.answers.get(wanted)
+
+        for result in results.values():
+            values = result.case.values | answer["run"]
+            other = next((other for other in results.values() if other.case.values == values), None)
+            below = of(other) if other else None
+            result.answers[name] = of(result) / below if below and of(result) is not None else None
 
 
 def require_one_version(study, results, may_mix):

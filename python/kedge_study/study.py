@@ -10,7 +10,7 @@ import jsonschema
 from . import StudyError
 
 SCHEMA = pathlib.Path(__file__).with_name("study.schema.json")
-QUICK = ("parameters", "set", "parts")
+RELATIVE_COSTS = {"CPU time": "cpu", "wall time": "wall", "memory": "memory"}
 
 
 @dataclass
@@ -27,6 +27,7 @@ class Study:
     parameters: dict = field(default_factory=dict)
     derived: dict = field(default_factory=dict)
     set: dict = field(default_factory=dict)
+    when: list = field(default_factory=list)
     geometry: dict = field(default_factory=dict)
     ranks: object = 1
     program: str = ""
@@ -132,6 +133,10 @@ def _check_names(study):
     for name, answer in study.answers.items():
         if "curve" in answer:
             require(answer["curve"], study.curves, "curve", f"answers.{name}.curve")
+        if answer.get("relative", "CPU time") not in RELATIVE_COSTS:
+            require(answer["relative"], study.answers, "answer", f"answers.{name}.relative")
+        for parameter in answer.get("run", {}):
+            require(parameter, study.parameters, "parameter", f"answers.{name}.run")
     for name, references in study.references.items():
         require(name, study.answers, "answer", f"references.{name}")
         for index, reference in enumerate(references):

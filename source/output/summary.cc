@@ -99,6 +99,7 @@ void write_summary(const RunSummary& summary, const std::string& file)
   for (const StageSummary& stage : summary.stages)
     stages.push_back(to_json(stage));
   const Json json = {{"version", summary.version},
+                     {"commit", summary.commit},
                      {"input", summary.input_file},
                      {"status", summary.status},
                      {"ranks", summary.ranks},

@@ -38,6 +38,7 @@ std::string check_as_json(const Input& input, const CheckResult& result)
                       {"time", stage.seconds}});
   }
   const Json json = {{"version", version()},
+                     {"commit", commit()},
                      {"warnings", result.warnings},
                      {"input", Json::parse(input.effective_json)},
                      {"stages", stages}};

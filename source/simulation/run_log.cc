@@ -20,6 +20,7 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
     : input(input_), options(options_), terminal(rank_of(MPI_COMM_WORLD) == 0, options_.quiet)
 {
   summary.version = version();
+  summary.commit = commit();
   summary.input_file = options.input_file;
   summary.back_end = back_end();
   summary.gpu_requested = input.gpu;

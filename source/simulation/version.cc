@@ -11,7 +11,7 @@ std::string back_end() { return ExecutionSpace::name(); }
 
 std::string describe_versions()
 {
-  std::string text = fmt::format("kedge {} (back end {})", version(), back_end());
+  std::string text = fmt::format("kedge {} (commit {}, back end {})", version(), commit(), back_end());
   for (const auto& [library, number] : library_versions())
     text += fmt::format("\n{} {}", library, number);
   return text;

@@ -23,7 +23,7 @@ struct StageSummary
 
 struct RunSummary
 {
-  std::string version, input_file, back_end;
+  std::string version, commit, input_file, back_end;
   bool gpu_requested = false;
   int ranks = 1;
   std::string status = "finished"; ///< or "failed: ..."

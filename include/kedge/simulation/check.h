@@ -18,6 +18,6 @@ CheckResult check_scene(const Input& input);
 /// For people: `name` of the input, warnings, the table of stages.
 std::string format_check(const Input& input, const CheckResult& result, const std::string& name);
 
-/// For programs: one object on one line with `version`, `warnings`, `input` and `stages`; bytes and seconds.
+/// For programs: one object on one line with `version`, `commit`, `warnings`, `input` and `stages`; bytes and seconds.
 std::string check_as_json(const Input& input, const CheckResult& result);
 } // namespace kedge

@@ -24,6 +24,7 @@ TEST(Summary, HoldsTheRun)
 {
   RunSummary summary;
   summary.version = "0.1.0";
+  summary.commit = "1a2b3c4";
   summary.input_file = "anchor.json";
   summary.back_end = "Serial";
   summary.gpu_requested = true;
@@ -37,6 +38,7 @@ TEST(Summary, HoldsTheRun)
   const Json json = write_and_parse(summary);
 
   EXPECT_EQ(json["version"], "0.1.0");
+  EXPECT_EQ(json["commit"], "1a2b3c4");
   EXPECT_EQ(json["input"], "anchor.json");
   EXPECT_EQ(json["status"], "finished");
   EXPECT_EQ(json["ranks"], 3);

@@ -34,6 +34,7 @@ TEST(Check, AsJsonHasTheNumbersOfTheTable)
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   const schema::Json json = schema::parse_json(text, "check");
   EXPECT_EQ(json["version"], version());
+  EXPECT_EQ(json["commit"], commit());
   EXPECT_EQ(json["warnings"], schema::Json({"look out", "mind the \"gap\""}));
   EXPECT_EQ(json["input"], schema::Json::parse(input.effective_json));
   ASSERT_EQ(json["stages"].size(), input.stages.size());

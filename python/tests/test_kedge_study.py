@@ -1,0 +1,354 @@
+#!/usr/bin/python3
+"""Tests of kedge-study: the file, expressions, what varies, convergence, and runs of a made-up program."""
+import contextlib
+import csv
+import io
+import json
+import os
+import pathlib
+import signal
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import numpy as np
+
+PYTHON = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(PYTHON))
+
+from kedge_study import StudyError  # noqa: E402  (found only after the line above)
+from kedge_study.cases import cases_of, label  # noqa: E402
+from kedge_study.command import main  # noqa: E402
+from kedge_study.convergence import order_of_errors, pareto_front, richardson  # noqa: E402
+from kedge_study.expressions import evaluate, resolve  # noqa: E402
+from kedge_study.inputs import replace  # noqa: E402
+from kedge_study.records import version_of  # noqa: E402
+from kedge_study.study import load  # noqa: E402
+from kedge_study.taking import take  # noqa: E402
+
+# A program that answers force = 10 + h^2 at u = 0 to 1; "fail": it stops half way with exit code 3.
+PROGRAM = '''#!/usr/bin/python3
+import json, pathlib, sys, time
+if sys.argv[1] == "--version":
+    print("kedge 0 (commit COMMIT, back end Serial)")
+    sys.exit()
+scene = json.loads(pathlib.Path(sys.argv[2]).read_text())
+if scene.get("bad"):
+    print("kedge: bad: unknown key", file=sys.stderr)
+    sys.exit(2)
+if sys.argv[1] == "check":
+    print(json.dumps({"stages": [{"time": scene["time"], "memory": scene["memory"]}]}))
+    sys.exit()
+folder = pathlib.Path(sys.argv[sys.argv.index("--output") + 1])
+(folder / "csv").mkdir(parents=True)
+with open(folder / "started", "w") as file:
+    file.write("x")
+time.sleep(scene["sleep"])
+end = 5 if scene["fail"] else 10
+rows = ["time,body1_position_x,body1_reaction force_x,stage,step"]
+for step in range(1, end + 1):
+    rows.append(f"{step / 10},{5 + step / 10},{10 + scene['h']**2},1,{step}")
+(folder / "csv" / "rigid_body.csv").write_text("\\n".join(rows) + "\\n")
+summary = {"status": "finished", "stages": [{"steps": end, "cuts": 2, "rigid points at start": [[5, 0, 0]]}],
+           "peak memory": 1e8}
+(folder / "summary.json").write_text(json.dumps(summary))
+if scene["fail"]:
+    print("kedge: no convergence", file=sys.stderr)
+    sys.exit(3)
+'''
+SCENE = {"comment": "x", "h": 1, "fail": False, "sleep": 0, "time": 1, "memory": 1e6, "list": [{"deep": 1}]}
+STUDY = {
+    "title": "Test", "question": "?", "scene": "scene.json", "constants": {"exact": "= 2 * 5"},
+    "parameters": {"h": {"default": 1, "label": "cell size / m"}, "fail": {"default": False}},
+    "derived": {"steps": "round(1 / h)"},
+    "set": {"h": "= h", "fail": "= fail", "list.0.deep": ["= steps"]},
+    "columns": {"u": "body1_displacement_x", "F": "body1_reaction force_x"},
+    "curves": {"force": {"x": "u", "y": "F"}},
+    "answers": {"F": {"curve": "force", "take": "mean", "from": 0.2}, "end": {"curve": "force", "take": "at", "x": 1},
+                "excess": {"expression": "F - exact"}, "cuts": {"summary": "cuts"},
+                "ratio": {"relative": "F", "run": {"h": 1}}},
+    "references": {"F": [{"value": "exact"}]},
+    "parts": {"cells": {"grid": {"h": [1, 0.5, 0.25]},
+                        "charts": [{"kind": "curves"}, {"kind": "convergence", "over": "h"}, {"kind": "cost"}]},
+              "choices": {"one at a time": {"fail": [True], "h": [0.5]}}},
+    "quick": {"parameters": {"h": 2}, "expect": {"F": [13, 15]}}}
+
+
+class StudyCase(unittest.TestCase):
+    """Makes folders with a study, a scene and a program."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.write()
+        self.program("abc1234")
+        version_of.cache_clear()
+
+    def write(self, scene=None, **changes):
+        (self.folder / "scene.json").write_text(json.dumps(SCENE | (scene or {})), encoding="utf-8")
+        self.path = self.folder / "test.study.json"
+        self.path.write_text(json.dumps(STUDY | changes), encoding="utf-8")
+        return self.path
+
+    def program(self, commit):
+        path = self.folder / "kedge"
+        path.write_text(PROGRAM.replace("COMMIT", commit), encoding="utf-8")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+        version_of.cache_clear()
+
+    def study(self, *options):
+        """Exit code and what the command prints."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = main([str(self.path), "--program", str(self.folder / "kedge"), "--output", str(self.folder / "out"),
+                         "--jobs", "2", *options])
+        return code, out.getvalue() + err.getvalue()
+
+    def table(self, folder="out"):
+        with open(self.folder / folder / "test.csv", newline="", encoding="utf-8") as file:
+            return {row["run"]: row for row in csv.DictReader(file)}
+
+
+class Expressions(unittest.TestCase):
+    def test_arithmetic(self):
+        self.assertEqual(evaluate("2 + 3 * h", {"h": 2}, "x"), 8)
+        self.assertAlmostEqual(evaluate("3*pi + 2", {}, "x"), 11.42478, places=4)
+        self.assertEqual(evaluate("round(7 / 2.1)", {}, "x"), 3)
+        self.assertEqual(evaluate("'a' if n > 1 else 'b'", {"n": 2}, "x"), "a")
+        self.assertEqual(evaluate("mean(F[(u > 1) & (u < 4)])", {"F": np.array([1., 2., 4., 8.]),
+                                                                 "u": np.array([1., 2., 3., 4.])}, "x"), 3.)
+        self.assertEqual(evaluate(4, {}, "x"), 4)
+
+    def test_only_arithmetic(self):
+        for text in ("__import__('os')", "h.real", "[x for x in h]", "lambda: 1", "open('x')", "mean(a=1)"):
+            with self.subTest(text), self.assertRaises(StudyError):
+                evaluate(text, {"h": 1}, "x")
+
+    def test_errors_name_the_place(self):
+        for text in ("1 +", "hh", "1 / 0", "sqrt('a')"):
+            with self.subTest(text), self.assertRaisesRegex(StudyError, "derived.steps"):
+                evaluate(text, {"h": 1}, "f: derived.steps")
+        with self.assertRaisesRegex(StudyError, "did you mean steps"):
+            evaluate("stepz", {"steps": 1}, "x")
+
+    def test_values_of_json(self):
+        self.assertEqual(resolve({"a": ["= h", "on", 3, {"b": "= 2 * h"}]}, {"h": 4}, "x"),
+                         {"a": [4, "on", 3, {"b": 8}]})
+
+
+class File(StudyCase):
+    def test_wrong_keys_are_refused_with_the_nearest(self):
+        for changes, message in (({"titel": "x"}, "unknown key \"titel\"; did you mean \"title\""),
+                                 ({"answers": {"F": {"curve": "forse", "take": "mean"}}}, "did you mean \"force\""),
+                                 ({"answers": {"F": {"curve": "force", "take": "middle"}}}, "answers.F"),
+                                 ({"references": {"G": [{"value": 1}]}}, "there is no answer \"G\""),
+                                 ({"parts": {"a": {"grid": {"size": [1]}}}}, "there is no parameter \"size\""),
+                                 ({"parts": {"a": {"grid": {"h": [1]}, "charts": [{"kind": "over"}]}}}, "over"),
+                                 ({"command": ["x"]}, "top level"), ({"derived": {"n": "nn"}}, "derived.n")):
+            with self.subTest(message):
+                self.write(**changes)
+                code, text = self.study("--estimate")
+                self.assertEqual(code, 2, text)
+                self.assertIn(message, text)
+
+    def test_paths_that_the_scene_lacks_are_refused(self):
+        scene = {"a": [{"b": 1}]}
+        replace(scene, "a.0.c", 2, "x")
+        replace(scene, "a.0.b", None, "x")
+        self.assertEqual(scene, {"a": [{"c": 2}]})
+        for path in ("b.c", "a.1.c", "a.0.c.d"):
+            with self.assertRaisesRegex(StudyError, "the scene has no"):
+                replace(scene, path, 1, "set." + path)
+
+    def test_schema_says_what_is_meant(self):
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            self.assertEqual(main(["--schema"]), 0)
+        self.assertIn("parts", json.loads(out.getvalue())["properties"])
+
+
+class Cases(StudyCase):
+    def test_parts_share_runs(self):
+        parts = cases_of(load(self.path), self.folder / "kedge")
+        self.assertEqual([case.name for case in parts["cells"]], ["default", "h-0.5", "h-0.25"])
+        self.assertEqual([case.name for case in parts["choices"]], ["default", "fail-True", "h-0.5"])
+        self.assertIs(parts["cells"][1], parts["choices"][2])
+        self.assertEqual(label(load(self.path), parts["cells"][1], parts["cells"]), "cell size 0.5 m")
+        self.assertEqual(parts["cells"][1].settings, [("h", 0.5), ("fail", False), ("list.0.deep", [2])])
+
+    def test_hash_knows_all_but_comments(self):
+        def first():
+            return cases_of(load(self.path), self.folder / "kedge")["cells"][0].input
+
+        before = first()
+        self.write({"comment": "other"})
+        self.assertEqual(first(), before)
+        self.write({"sleep": 0.1})
+        self.assertNotEqual(first(), before)
+        self.write(set=STUDY["set"] | {"time": 3})
+        self.assertNotEqual(first(), before)
+
+    def test_whole_numbers_are_equal_however_written(self):
+        self.write(parts={"a": {"runs": [{"h": 2.0}, {"h": 2}]}})
+        self.assertEqual(len(cases_of(load(self.path), self.folder / "kedge")["a"]), 1)
+
+
+class Numbers(unittest.TestCase):
+    def test_taken_from_curves(self):
+        x, y = np.array([1., 2., 3., 4.]), np.array([2., 4., 4., 2.])
+        self.assertEqual(take(x, y, "max", {}), 4.)
+        self.assertAlmostEqual(take(x, y, "mean", {"from": 2., "to": 4.}), 3.5)
+        self.assertEqual(take(x, y, "at", {"x": 1.5}), 3.)
+        self.assertEqual(take(x, y, "at", {"x": 0.5}), 1.)
+        self.assertIsNone(take(x, y, "at", {"x": 5.}))
+        self.assertIsNone(take(x, y, "mean", {"to": 5.}))
+        self.assertAlmostEqual(take(x, y, "spread", {"from": 3.}), 1. / 3.)
+        t = np.linspace(0., 10., 400)
+        self.assertAlmostEqual(take(t, np.sin(2. * np.pi * t / 2.5), "period", {}), 2.5, places=2)
+        self.assertAlmostEqual(take(t, t / (0.1 + t / 7.), "limit", {}), 7., places=6)
+
+    def test_richardson_finds_order_and_limit(self):
+        for order in (1., 2., 1.5):
+            for sizes in ([0.4, 0.2, 0.1], [0.3, 0.2, 0.1]):
+                found = richardson(sizes, [5. + 3. * size**order for size in sizes])
+                self.assertAlmostEqual(found.order, order, places=6)
+                self.assertAlmostEqual(found.limit, 5., places=8)
+                self.assertAlmostEqual(found.uncertainty, 1.25 * 3. * 0.1**order, places=8)
+
+    def test_no_order_where_answers_swing(self):
+        found = richardson([0.4, 0.2, 0.1], [1., 2., 1.5])
+        self.assertIsNone(found.order)
+        self.assertEqual(found.limit, 1.5)
+        self.assertAlmostEqual(found.uncertainty, 1.5)
+        self.assertIsNone(richardson([0.2, 0.1], [1., 2.]))
+
+    def test_order_of_errors(self):
+        self.assertAlmostEqual(order_of_errors([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 2.)
+        self.assertIsNone(order_of_errors([0.2, 0.1], [0.1, 0.]))
+
+    def test_pareto_front(self):
+        self.assertEqual(pareto_front([1., 2., 3., 4.], [5., 6., 2., 2.]), [0, 2])
+
+
+class Runs(StudyCase):
+    def test_runs_answers_and_pages(self):
+        code, text = self.study()
+        self.assertEqual(code, 0, text)
+        rows = self.table()
+        self.assertEqual(len(rows), 4)
+        self.assertAlmostEqual(float(rows["h-0.5"]["F"]), 10.25)
+        self.assertAlmostEqual(float(rows["h-0.5"]["excess"]), 0.25)
+        self.assertAlmostEqual(float(rows["h-0.5"]["ratio"]), 10.25 / 11., places=5)
+        self.assertEqual((rows["h-0.5"]["cuts"], rows["h-0.5"]["commit"]), ("2", "abc1234"))
+        page = (self.folder / "out" / "test.md").read_text(encoding="utf-8")
+        self.assertIn("order 2, limit 10 ±", page)
+        self.assertIn("+2.5", page)
+        self.assertIn("data:image/svg", (self.folder / "out" / "test.html").read_text(encoding="utf-8"))
+        self.assertTrue((self.folder / "out" / "test-cells.png").is_file())
+
+    def test_a_failure_is_a_result(self):
+        self.study()
+        row = self.table()["fail-True"]
+        self.assertEqual((row["status"], row["message"], row["end"]), ("failed", "kedge: no convergence", ""))
+        self.assertAlmostEqual(float(row["reached"]), 0.5)
+        self.assertAlmostEqual(float(row["F"]), 11.)  # the mean from 0.2 on, as far as it came
+        self.assertIn("**failed** at 0.5", (self.folder / "out" / "test.md").read_text(encoding="utf-8"))
+
+    def test_what_is_there_is_not_repeated(self):
+        self.study("--parts", "cells")
+        self.assertIn("all 3 runs are there", self.study("--parts", "cells")[1])
+        self.assertIn("1 of 4 runs to make", self.study()[1])
+        self.assertIn("4 of 4 runs to make", self.study("--again")[1])
+
+    def test_versions_are_not_mixed(self):
+        self.study("--parts", "cells", "--keep")
+        self.program("def5678")
+        self.assertIn("3 of 3 runs to make", self.study("--parts", "cells", "--estimate")[1])
+        self.study("--parts", "choices")
+        code, text = self.study("--draw")
+        self.assertEqual(code, 2)
+        self.assertIn("several versions", text)
+        code, text = self.study("--draw", "--mix")
+        self.assertEqual(code, 0, text)
+        self.assertEqual({row["commit"] for row in self.table().values()}, {"abc1234", "def5678"})
+
+    def test_kept_table_draws_without_runs(self):
+        self.study("--keep")
+        self.assertTrue((self.folder / "test-cells.png").is_file())
+        before = self.table("")
+        code, text = self.study("--draw", "--work", str(self.folder / "none"))
+        self.assertEqual(code, 0, text)
+        self.assertEqual(self.table(), before)
+        self.write({"sleep": 0.01})
+        self.assertEqual(self.study("--draw", "--work", str(self.folder / "none"))[0], 2)  # results of another input
+
+    def test_quick_form_expects(self):
+        self.assertEqual(self.study("--quick")[0], 0)
+        self.write(quick={"parameters": {"h": 2}, "expect": {"F": [15, 16]}})
+        code, text = self.study("--quick")
+        self.assertEqual(code, 1)
+        self.assertIn("default: F = 14.0 is not in [15, 16]", text)
+        self.write(quick={"parameters": {"fail": True}})
+        self.assertEqual(self.study("--quick")[0], 1)
+
+    def test_wrong_input_ends_the_study(self):
+        self.write({"bad": 1})
+        code, text = self.study()
+        self.assertEqual(code, 2)
+        self.assertIn("bad: unknown key", text)
+        self.assertFalse((self.folder / "out" / "test.csv").is_file())
+
+    def test_dear_runs_are_left_out(self):
+        self.write({"memory": 1e18})
+        code, text = self.study()
+        self.assertIn("GB of memory", text)
+        self.assertEqual(code, 2)
+        self.write({"time": 1e5})
+        self.assertIn("does not fit into the budget", self.study("--budget", "1 min")[1])
+
+    def test_time_limit_stops_a_run(self):
+        (self.folder / "kedge").write_text((self.folder / "kedge").read_text(encoding="utf-8").replace(
+            "time.sleep(scene[\"sleep\"])", "\nwhile scene['sleep']: pass"), encoding="utf-8")
+        self.write({"sleep": 1}, **{"time limit": "0.3 s"})
+        self.study("--parts", "cells")
+        self.assertEqual({row["status"] for row in self.table().values()}, {"stopped"})
+
+    def test_an_interrupted_study_goes_on(self):
+        self.write({"sleep": 1.5})
+        words = [str(PYTHON / "kedge-study"), str(self.path), "--program", str(self.folder / "kedge"), "--output",
+                 str(self.folder / "out"), "--jobs", "1", "--parts", "cells"]
+        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        while len(list(self.folder.glob("out/runs/*/output/started"))) < 2 and process.poll() is None:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        text = process.communicate(timeout=60)[0]
+        self.assertEqual(process.returncode, 130, text)
+        self.write({"sleep": 1.5})
+        code, text = self.study("--parts", "cells")
+        self.assertIn("2 of 3 runs to make", text)
+        self.assertEqual(code, 0, text)
+
+    def test_commands_instead_of_scenes(self):
+        tool = self.folder / "tool"
+        tool.write_text("#!/bin/sh\necho 'offset,condition 1' >out.csv; echo 1,$1 >>out.csv; echo 2,5 >>out.csv\n",
+                        encoding="utf-8")
+        tool.chmod(0o755)
+        changes = {"set": {}, "columns": {}, "command": ["tool", "= h"], "curves": {
+            "condition": {"table": "out.csv", "x": "offset", "y": "condition_1"}},
+            "answers": {"most": {"curve": "condition", "take": "max"}}, "references": {},
+            "parts": {"a": {"grid": {"h": [3, 7]}}}, "derived": {}}
+        content = STUDY | changes
+        del content["scene"]
+        self.path.write_text(json.dumps(content), encoding="utf-8")
+        code, text = self.study()
+        self.assertEqual(code, 0, text)
+        self.assertEqual([row["most"] for row in self.table().values()], ["5", "7"])
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("MPLBACKEND", "Agg")
+    unittest.main()
