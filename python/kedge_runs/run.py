@@ -63,10 +63,11 @@ class Run:
         inside = sum(phases.get(name, 0.) for name in ("residual", "tangent", "linear solver", "time steps"))
         return (sum(phases.values()) - inside) / time.get("total", np.nan)
 
-    def start_of(self, body):
-        """Position of a body at the start of the first stage, m; None where the summary does not say."""
-        stages = self.summary.get("stages") or [{}]
-        points = stages[0].get("rigid points at start", [])
+    def start_of(self, body, stage=1):
+        """Position of a body at the start of a stage, after it was placed there, m; None where the summary does not
+        say."""
+        stages = self.summary.get("stages") or []
+        points = stages[stage - 1].get("rigid points at start", []) if stage <= len(stages) else []
         return points[body - 1] if 0 < body <= len(points) else None
 
     def bodies(self):

@@ -3,6 +3,7 @@ import csv
 import hashlib
 import importlib.util
 import json
+import pathlib
 import re
 import sys
 
@@ -17,6 +18,7 @@ from .taking import take
 
 SUMMED = ("steps", "cuts", "newton iterations", "krylov iterations", "time steps", "deleted")
 COSTS = ("steps", "cuts", "newton iterations", "krylov iterations", "material points", "dofs")
+CODE = [pathlib.Path(__file__), pathlib.Path(__file__).with_name("taking.py")]
 N_KEPT = 400  # points of a curve that a chart needs
 
 
@@ -43,8 +45,8 @@ def read(study, case, folder):
 
 
 def _key(study, case, folder):
-    """Hash of the questions, and of the run's end."""
-    sources = [(study.folder / entry["function"].partition(":")[0]).read_text(encoding="utf-8")
+    """Hash of the questions, of the run's end, and of the code that answers."""
+    sources = [path.read_text(encoding="utf-8") for path in CODE] + [(study.folder / entry["function"].partition(":")[0]).read_text(encoding="utf-8")
                for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
     record = (folder / "record.json").read_text(encoding="utf-8")
     content = [study.columns, study.curves, study.answers, {name: repr(value) for name, value in case.names.items()},
@@ -149,10 +151,7 @@ def _bound(study, columns, run, curve):
 def _displacement(columns, run, body, axis, stage):
     """Displacement of a body since the start of a stage, m."""
     position = columns[f"body{body}_position_{axis}"]
-    before = np.flatnonzero(columns["stage"] < stage)
-    start = run.start_of(body)
-    if stage > 1 and len(before):
-        return position - position[before[-1]]
+    start = run.start_of(body, stage)
     return position - (start["xyz".index(axis)] if start else position[0])
 
 
