@@ -39,3 +39,5 @@ add_test(NAME command-line
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
 add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
 set_tests_properties(commit PROPERTIES LABELS check)
+add_test(NAME benchmark-manufactured COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/benchmarks/manufactured/verify)
+set_tests_properties(benchmark-manufactured PROPERTIES LABELS python)
