@@ -46,8 +46,9 @@ def read(study, case, folder):
 
 def _key(study, case, folder):
     """Hash of the questions, of the run's end, and of the code that answers."""
-    sources = [path.read_text(encoding="utf-8") for path in CODE] + [(study.folder / entry["function"].partition(":")[0]).read_text(encoding="utf-8")
-               for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
+    files = CODE + [study.folder / entry["function"].partition(":")[0]
+                    for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
+    sources = [path.read_text(encoding="utf-8") for path in files]
     record = (folder / "record.json").read_text(encoding="utf-8")
     content = [study.columns, study.curves, study.answers, {name: repr(value) for name, value in case.names.items()},
                sources, record]
