@@ -149,12 +149,9 @@ Section<SurfaceParameters> outline_section()
                    "inertia do not follow");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
   section.include(interface_section(false), &P::interface);
-<<<<<<< HEAD
   section.check([](const P& surface, const Place& place)
                 { round_outline(surface.outline, surface.edge_radius, place.path()); });
-=======
   declare_edge_warning(section);
->>>>>>> plot
   return section;
 }
 
