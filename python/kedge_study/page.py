@@ -40,7 +40,9 @@ def table(study, part, results):
     head = [study.label(name) for name in names] or ["run"]
     for name in asked:
         head += [study.label(name)] + (["error / %"] if name in with_error and not _is_zero(results, name) else [])
-    head += ["ended", "CPU time / s", "memory / MB", "steps", "cuts", "Newton", "points"]
+    counts = {} if study.command else {"steps": "steps", "cuts": "cuts", "Newton": "newton iterations",
+                                       "points": "material points"}
+    head += ["ended", "CPU time / s", "memory / MB", *counts]
     rows = []
     for result in results:
         row = [study.text(name, result.case.values[name]) for name in names] or ["default"]
@@ -52,8 +54,7 @@ def table(study, part, results):
         end = "" if result.reached is None else f" at {result.reached:.3g}"
         row.append(result.status if result.is_finished else f"**{result.status}**{end}")
         row += [f"{result.cpu:.3g}", f"{1e-6 * result.memory:.0f}",
-                *(_number(result.costs.get(name), 1., "{:.0f}") for name in
-                  ("steps", "cuts", "newton iterations", "material points"))]
+                *(_number(result.costs.get(name), 1., "{:.0f}") for name in counts.values())]
         rows.append(row)
     return head, rows
 

@@ -65,7 +65,7 @@ def of_table(study, cases, folder):
     if not path.is_file():
         return {}
     with open(path, newline="", encoding="utf-8") as file:
-        rows = {row["input"]: row for row in csv.DictReader(file)}
+        rows = {row.get("input"): row for row in csv.DictReader(file)}
     curves = _kept_curves(folder / f"{study.name}-curves.csv")
     return {case.input: _of_row(study, case, rows[case.input], curves.get(case.input, {}))
             for case in cases if case.input in rows}

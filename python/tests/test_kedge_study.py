@@ -148,6 +148,8 @@ class File(StudyCase):
                                  ({"references": {"G": [{"value": 1}]}}, "there is no answer \"G\""),
                                  ({"parts": {"a": {"grid": {"size": [1]}}}}, "there is no parameter \"size\""),
                                  ({"parts": {"a": {"grid": {"h": [1]}, "charts": [{"kind": "over"}]}}}, "over"),
+                                 ({"references": {"F": [{"value": "exakt"}]}}, "did you mean exact"),
+                                 ({"curves": {"force": {"x": "u", "y": "F * uu"}}}, "curves.force.y"),
                                  ({"command": ["x"]}, "top level"), ({"derived": {"n": "nn"}}, "derived.n")):
             with self.subTest(message):
                 self.write(**changes)
