@@ -22,8 +22,9 @@ _SMOOTH = 3.  # m: beyond this no material point was cut out
 
 def expansion(run, step=None):
     """The state of the cavity at a step, by default the last one: "radius" over the initial one, "pressure" and "exact"
-    pressure over s_u, and "scatter", the standard deviation of r^k - R^k in the ring over its mean. The initial radii of
-    cavity and ring are those of circles or spheres with the volumes of the points that were cut out and are pushed."""
+    pressure over s_u, and "scatter", the standard deviation of r^k - R^k in the ring over its mean. The initial radii
+    of cavity and ring are those of circles or spheres with the volumes of the points that were cut out and are
+    pushed."""
     scene = run.input
     dim = scene.get("dimension", 3)
     soil, force = scene["material points"]["layers"][0]["material"], scene["domain"]["body force"]["definitions"]
