@@ -52,6 +52,28 @@ def expansion(run, step=None):
             "scatter": np.sqrt(np.average((shift - mean)**2, weights=volume[ring])) / mean}
 
 
+def course(run, values):
+    """Radius over the initial one, and pressure over s_u, of all steps that have tables."""
+    stages = dict(zip(run.body("step"), run.body("stage")))
+    states = [expansion(run, step) for step in run.csv_steps() if stages.get(step, 0) > 1]
+    return [state["radius"] for state in states], [state["pressure"] for state in states]
+
+
+def error_at(run, values):
+    """Relative error of the pressure at the radius of the study."""
+    radius, pressure = (np.array(side) for side in course(run, values))
+    if not len(radius) or radius[-1] < values["radius"]:
+        return np.nan
+    power, factor = (2, 1.) if run.input.get("dimension", 3) == 2 else (3, 4. / 3.)
+    exact = factor * (1. + np.log(values["rigidity"] * (1. - values["radius"]**-power)))
+    return np.interp(values["radius"], radius, pressure) / exact - 1.
+
+
+def scatter(run, values):
+    """Standard deviation of r^k - R^k in the ring over its mean, at the end: how uneven the soil moves."""
+    return expansion(run)["scatter"]
+
+
 def pressure_error(run, values):
     """Relative error of the pressure at the end of a run; values: those of the study, not needed."""
     state = expansion(run)
