@@ -278,6 +278,15 @@ class Runs(StudyCase):
         self.assertEqual(code, 0, text)
         self.assertEqual({row["commit"] for row in self.table().values()}, {"abc1234", "def5678"})
 
+    def test_programs_can_vary(self):
+        (self.folder / "old").write_text(PROGRAM.replace("COMMIT", "old0001"), encoding="utf-8")
+        (self.folder / "old").chmod(0o755)
+        parameters = STUDY["parameters"] | {"build": {"default": "kedge"}}
+        self.write(parameters=parameters, program="= build", parts={"builds": {"grid": {"build": ["kedge", "old"]}}})
+        code, text = self.study()
+        self.assertEqual(code, 0, text)
+        self.assertEqual([row["commit"] for row in self.table().values()], ["abc1234", "old0001"])
+
     def test_kept_table_draws_without_runs(self):
         self.study("--keep")
         self.assertTrue((self.folder / "test-cells.png").is_file())
