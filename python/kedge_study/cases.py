@@ -26,6 +26,11 @@ class Case:
     name: str
     input: str
 
+    @property
+    def key(self):
+        """Tells the cases of a study apart, also those of equal input that differ in how a run is read."""
+        return self.input, self.name
+
     def folder(self, work, version):
         """Folder of the run by one version of the program."""
         key = hashlib.sha256(f"{self.input} {version}".encode()).hexdigest()[:8]

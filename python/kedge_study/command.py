@@ -69,7 +69,7 @@ def _study(options):
     output = options.output or pathlib.Path(f"{study.name}-study")
     work = (options.work or output / "runs").resolve()
     parts = cases_of(study, options.program, options.parts)
-    cases = list({case.input: case for of_part in parts.values() for case in of_part}.values())
+    cases = list({case.key: case for of_part in parts.values() for case in of_part}.values())
     for case in cases:
         rehearse(study, case)
     try:
@@ -86,7 +86,7 @@ def _study(options):
     found = results.of_runs(study, cases, work) if work.is_dir() else {}
     if options.draw:
         found = results.of_table(study, cases, study.folder) | found
-        found = {case.input: found[case.input] for case in cases if case.input in found}
+        found = {case.key: found[case.key] for case in cases if case.key in found}
     if not found:
         raise StudyError(f"{study.path}: there are no results yet" + (" of this input" if options.draw else ""))
     results.require_one_version(study, found, options.mix)

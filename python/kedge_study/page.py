@@ -17,10 +17,10 @@ td:first-child,th:first-child{text-align:left}img{max-width:100%}.failed td{colo
 
 def write(study, parts, results, folder, work):
     """Draws the parts and writes the pages of a study, Markdown and HTML. parts: cases by the name of their part;
-    results: by input; work: folder of the runs. Returns the path of the HTML page."""
+    results: by key; work: folder of the runs. Returns the path of the HTML page."""
     sections = []
     for name, cases in parts.items():
-        of_part = [results[case.input] for case in cases if case.input in results]
+        of_part = [results[case.key] for case in cases if case.key in results]
         if of_part:
             path = folder / f"{study.name}-{name.replace(' ', '-')}"
             charts = [("", path)] if draw(study, study.parts[name], of_part, path) else []

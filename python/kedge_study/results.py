@@ -51,7 +51,7 @@ def of_runs(study, cases, work):
         record = records.read(folder)
         if record and record.is_result:
             found = answers.read(study, case, folder)
-            results[case.input] = Result(
+            results[case.key] = Result(
                 case, record.status, record.message, found["reached"], found["answers"],
                 {name: tuple(map(np.array, curve)) for name, curve in found["curves"].items() if curve},
                 found["costs"], record.cpu, record.wall, max(record.memory, found["costs"].get("peak memory") or 0.),
@@ -65,10 +65,10 @@ def of_table(study, cases, folder):
     if not path.is_file():
         return {}
     with open(path, newline="", encoding="utf-8") as file:
-        rows = {row.get("input"): row for row in csv.DictReader(file)}
+        rows = {(row.get("input"), row.get("run")): row for row in csv.DictReader(file)}
     curves = _kept_curves(folder / f"{study.name}-curves.csv")
-    return {case.input: _of_row(study, case, rows[case.input], curves.get(case.input, {}))
-            for case in cases if case.input in rows}
+    return {case.key: _of_row(study, case, rows[case.key], curves.get(case.key, {})) for case in cases
+            if case.key in rows}
 
 
 def _of_row(study, case, row, curves):
@@ -85,13 +85,14 @@ def _number(text):
 
 
 def _kept_curves(path):
-    """Curves by input and name."""
+    """Curves by input and run, and by name."""
     if not path.is_file():
         return {}
     points = {}
     with open(path, newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            points.setdefault((row["input"], row["curve"]), []).append((float(row["x"]), float(row["y"])))
+            key = (row["input"], row["run"]), row["curve"]
+            points.setdefault(key, []).append((float(row["x"]), float(row["y"])))
     curves = {}
     for (key, name), values in points.items():
         curves.setdefault(key, {})[name] = tuple(np.array(values).T)
@@ -106,7 +107,7 @@ def write_table(study, results, folder):
              **{"CPU time / s": f"{result.cpu:.4g}", "wall time / s": f"{result.wall:.4g}",
                 "memory / MB": f"{1e-6 * result.memory:.4g}"}, **result.provenance} for result in results.values()]
     _write(folder / f"{study.name}.csv", rows)
-    points = [{"input": result.case.input, "curve": name, "x": f"{x:.6g}", "y": f"{y:.5g}"}
+    points = [{"input": result.case.input, "run": result.case.name, "curve": name, "x": f"{x:.6g}", "y": f"{y:.5g}"}
               for result in results.values() for name, curve in result.curves.items()
               for x, y in zip(*answers.thinned(*curve, N_KEPT))]
     if points:

@@ -313,7 +313,7 @@ class Runs(StudyCase):
         self.assertFalse((self.folder / "out" / "test-a.png").is_file())
         self.write(parts={"a": part("size < 2")})
         code, text = self.study()
-        self.assertEqual((code, "charts.only" in text), (2, True), text)
+        self.assertEqual((code, "charts[0].only" in text), (2, True), text)
 
     def test_quick_form_expects(self):
         self.assertEqual(self.study("--quick")[0], 0)
