@@ -1,5 +1,5 @@
 # Tests in addition to those of the rooms: checks of style, tests of the Python code, whole scenes.
-set(KEDGE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy and matplotlib; Debian's by default")
+set(KEDGE_PYTHON /usr/bin/python3 CACHE FILEPATH "Python with numpy, scipy and matplotlib; Debian's by default")
 
 foreach(check format floors core lengths)
   add_test(NAME check-${check} COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/scripts/checks/check-${check})
@@ -39,3 +39,5 @@ add_test(NAME command-line
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
 add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
 set_tests_properties(commit PROPERTIES LABELS check)
+add_test(NAME benchmark-manufactured COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/benchmarks/manufactured/verify)
+set_tests_properties(benchmark-manufactured PROPERTIES LABELS python)

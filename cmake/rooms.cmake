@@ -15,6 +15,13 @@ add_library(UMFPACK INTERFACE)
 target_include_directories(UMFPACK SYSTEM INTERFACE ${UMFPACK_INCLUDE_DIR})
 target_link_libraries(UMFPACK INTERFACE ${UMFPACK_LIBRARY})
 
+add_library(muparser_if_there INTERFACE)
+if(MUPARSER_INCLUDE_DIR AND MUPARSER_LIBRARY)
+  target_include_directories(muparser_if_there SYSTEM INTERFACE ${MUPARSER_INCLUDE_DIR})
+  target_link_libraries(muparser_if_there INTERFACE ${MUPARSER_LIBRARY})
+  target_compile_definitions(muparser_if_there INTERFACE KEDGE_WITH_MUPARSER)
+endif()
+
 add_library(kedge_options INTERFACE)
 target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
 target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter

@@ -3,52 +3,43 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <kedge/base/environment.h>
+#include <kedge/base/exceptions.h>
 #include <string>
 
 using namespace kedge;
+using translation::Kind;
 
 namespace
 {
-constexpr std::array<double, 7> factors{0., 1e-3, 1e-2, 1. / 30., 0.25, 1., 10.};
-constexpr unsigned int published_stiffness = 3, published_mass = 4; ///< places in `factors` of Coombs' choice
-
-/// Condition numbers at one offset.
-struct Conditions
+/// Which matrix of which block, and how much stabilisation.
+struct Curve
 {
-  double offset;
-  std::array<double, factors.size()> stiffness, mass;
+  unsigned int dim;
+  bool octree, gimp;
+  Kind kind;
+  double factor;
 };
 
-template <int dim>
-std::vector<Conditions> translate(const bool octree, const bool gimp, const std::vector<double>& offsets)
+template <int dim> std::vector<double> conditions_in(const Curve& curve, const std::vector<double>& offsets)
 {
-  const auto mesh = translation::make_mesh<dim>(octree);
-  std::vector<Conditions> result;
+  const auto mesh = translation::make_mesh<dim>(curve.octree);
+  const unsigned int n_rigid = curve.kind == Kind::stiffness ? dim * (dim + 1) / 2 : 0;
+  std::vector<double> result;
   for (const double offset : offsets)
   {
-    const translation::Matrices matrices = translation::make_matrices(*mesh, octree, gimp, offset);
-    Conditions& conditions = result.emplace_back();
-    conditions.offset = offset;
-    for (std::size_t i = 0; i < factors.size(); ++i)
-    {
-      conditions.stiffness[i] = translation::condition_number(
-          matrices.stiffness + factors[i] * matrices.ghost_stiffness, dim * (dim + 1) / 2);
-      conditions.mass[i] = translation::condition_number(matrices.mass + factors[i] * matrices.ghost_mass, 0);
-    }
+    const translation::Matrices matrices =
+        translation::make_matrices(*mesh, curve.octree, curve.gimp, curve.kind, offset);
+    result.push_back(translation::condition_number(matrices.base + curve.factor * matrices.ghost, n_rigid));
   }
   return result;
 }
 
-/// The largest over all offsets, by factor.
-template <typename Matrix> auto largest(const std::vector<Conditions>& all, const Matrix& matrix)
+std::vector<double> conditions(const Curve& curve, const std::vector<double>& offsets)
 {
-  std::array<double, factors.size()> result{};
-  for (const Conditions& conditions : all)
-    for (std::size_t i = 0; i < factors.size(); ++i)
-      result[i] = std::max(result[i], (conditions.*matrix)[i]);
-  return result;
+  return curve.dim == 2 ? conditions_in<2>(curve, offsets) : conditions_in<3>(curve, offsets);
 }
 
 /// From one whole cell to the next, finely at both ends, where the cuts are smallest.
@@ -63,79 +54,92 @@ std::vector<double> chart_offsets(const unsigned int n)
   return offsets;
 }
 
-template <int dim> void write_rows(const bool octree, const bool gimp, const unsigned int n, std::ofstream& file)
-{
-  const std::vector<Conditions> all = translate<dim>(octree, gimp, chart_offsets(n));
-  for (const auto& [name, matrix] :
-       {std::pair{"stiffness", &Conditions::stiffness}, std::pair{"mass", &Conditions::mass}})
-  {
-    const std::string scene =
-        fmt::format("{},{},{},{}", dim, octree ? "octree" : "uniform", gimp ? "gimp" : "mpm", name);
-    for (const Conditions& conditions : all)
-    {
-      file << fmt::format("{},{:.7g}", scene, conditions.offset);
-      for (const double condition : conditions.*matrix)
-        file << fmt::format(",{:.4g}", condition);
-      file << '\n';
-    }
-    std::string line;
-    for (const double condition : largest(all, matrix))
-      line += fmt::format(" {:9.3g}", condition);
-    fmt::print("{:28}{}\n", scene, line);
-  }
-}
-
-void write(const std::string& name)
+void write(const Curve& curve, const std::string& name)
 {
   std::ofstream file(name);
-  file << "dimension,mesh,basis,matrix,offset";
-  std::string line;
-  for (const double factor : factors)
-  {
-    file << fmt::format(",{:.4g}", factor);
-    line += fmt::format(" {:9.4g}", factor);
-  }
-  file << '\n';
-  fmt::print("{:28}{}\n", "largest condition number", line);
-  for (const bool gimp : {true, false})
-  {
-    write_rows<2>(false, gimp, 200, file);
-    write_rows<2>(true, gimp, 200, file);
-    write_rows<3>(false, gimp, 100, file);
-    write_rows<3>(true, gimp, 100, file);
-  }
+  file << "offset,condition\n";
+  const std::vector<double> offsets = chart_offsets(curve.dim == 2 ? 200 : 100), values = conditions(curve, offsets);
+  for (std::size_t i = 0; i < offsets.size(); ++i)
+    file << fmt::format("{:.7g},{:.4g}\n", offsets[i], values[i]);
+  file.close();
+  if (!file)
+    throw FileError(name, "cannot be written");
 }
 
-/// Whether the published factors keep the condition numbers below the bounds, which those without stabilisation exceed
-/// a hundredfold.
-template <int dim>
-bool check(const bool octree, const std::vector<double>& offsets, const double stiffness_bound, const double mass_bound)
+/// Whether a word is the second of two; refuses any other.
+bool is_second(const std::string& what, const std::string& word, const std::array<std::string, 2>& known)
 {
-  const std::vector<Conditions> all = translate<dim>(octree, true, offsets);
-  bool passed = true;
-  for (const auto& [name, matrix, published, bound] :
-       {std::tuple{"stiffness", &Conditions::stiffness, published_stiffness, stiffness_bound},
-        std::tuple{"mass", &Conditions::mass, published_mass, mass_bound}})
+  if (word != known[0] && word != known[1])
+    throw InputError(what, fmt::format("is {}", word), fmt::format("use {}", fmt::join(known, " or ")));
+  return word == known[1];
+}
+
+double factor_of(const std::string& word)
+{
+  std::size_t end = 0;
+  double value = -1.;
+  try
   {
-    const auto conditions = largest(all, matrix);
-    const bool good = conditions[published] < bound && conditions[0] > 100. * bound;
-    fmt::print("{}-D {} {}: {:.3g} with, {:.3g} without stabilisation; bound {}{}\n", dim,
-               octree ? "octree" : "uniform", name, conditions[published], conditions[0], bound,
-               good ? "" : "  <- failed");
-    passed = passed && good;
+    value = std::stod(word, &end);
   }
-  return passed;
+  catch (const std::logic_error&)
+  {
+  }
+  if (end != word.size() || !std::isfinite(value) || value < 0.)
+    throw InputError("FACTOR", fmt::format("is {}", word), "use a number that is not negative");
+  return value;
+}
+
+/// Of the words behind the file's name.
+Curve curve_of(char** words)
+{
+  Curve curve;
+  curve.dim = is_second("DIMENSION", words[0], {"2", "3"}) ? 3 : 2;
+  curve.octree = is_second("MESH", words[1], {"uniform", "octree"});
+  curve.gimp = !is_second("BASIS", words[2], {"gimp", "mpm"});
+  curve.kind = is_second("MATRIX", words[3], {"stiffness", "mass"}) ? Kind::mass : Kind::stiffness;
+  curve.factor = factor_of(words[4]);
+  return curve;
+}
+
+/// Whether a published factor keeps the condition number below the bound, which it exceeds a hundredfold without
+/// stabilisation.
+bool check(Curve curve, const std::vector<double>& offsets, const double bound)
+{
+  const auto largest = [&](const double factor)
+  {
+    curve.factor = factor;
+    const std::vector<double> values = conditions(curve, offsets);
+    return *std::max_element(values.begin(), values.end());
+  };
+  const double with = largest(curve.factor), without = largest(0.);
+  const bool good = with < bound && without > 100. * bound;
+  fmt::print("{}-D {} {}: {:.3g} with, {:.3g} without stabilisation; bound {}{}\n", curve.dim,
+             curve.octree ? "octree" : "uniform", curve.kind == Kind::mass ? "mass" : "stiffness", with, without, bound,
+             good ? "" : "  <- failed");
+  return good;
 }
 
 bool check_all()
 {
-  // bounds: about twice the largest of the whole chart
+  struct Bounds
+  {
+    unsigned int dim;
+    bool octree;
+    double stiffness, mass; // about twice the largest of the whole chart
+  };
+  constexpr double published_stiffness = 1. / 30., published_mass = 0.25;
   const std::vector<double> many{1e-5, 3e-4, 0.005, 0.2, 0.505, 0.7, 0.99999}, few{3e-4, 0.2, 0.99999};
   bool passed = true;
-  passed = check<2>(false, many, 2e3, 4e2) && passed;
-  passed = check<2>(true, many, 2.4e4, 9e2) && passed;
-  passed = check<3>(false, many, 8e3, 2.5e3) && passed;
-  passed = check<3>(true, few, 1.6e5, 5e3) && passed;
+  for (const Bounds& bounds : {Bounds{2, false, 2e3, 4e2}, Bounds{2, true, 2.4e4, 9e2}, Bounds{3, false, 8e3, 2.5e3},
+                               Bounds{3, true, 1.6e5, 5e3}})
+  {
+    const auto& offsets = bounds.dim == 3 && bounds.octree ? few : many;
+    passed =
+        check({bounds.dim, bounds.octree, true, Kind::stiffness, published_stiffness}, offsets, bounds.stiffness) &&
+        passed;
+    passed = check({bounds.dim, bounds.octree, true, Kind::mass, published_mass}, offsets, bounds.mass) && passed;
+  }
   return passed;
 }
 } // namespace
@@ -143,13 +147,20 @@ bool check_all()
 int main(int argc, char** argv)
 {
   Environment environment(argc, argv);
-  if (argc != 2)
+  try
   {
-    fmt::print("Usage: benchmark-ghost-translation FILE.csv | --check\n");
-    return 2;
+    if (argc == 2 && std::string(argv[1]) == "--check")
+      return check_all() ? 0 : 1;
+    if (argc == 7)
+    {
+      write(curve_of(argv + 2), argv[1]);
+      return 0;
+    }
+    fmt::print("Usage: benchmark-ghost-translation FILE.csv DIMENSION MESH BASIS MATRIX FACTOR | --check\n");
   }
-  if (std::string(argv[1]) == "--check")
-    return check_all() ? 0 : 1;
-  write(argv[1]);
-  return 0;
+  catch (const std::exception& error)
+  {
+    fmt::print(stderr, "benchmark-ghost-translation: {}\n", error.what());
+  }
+  return 2;
 }

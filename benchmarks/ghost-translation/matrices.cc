@@ -135,7 +135,8 @@ template <int dim> std::unique_ptr<BackgroundMesh<dim>> make_mesh(const bool oct
 }
 
 template <int dim>
-Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const bool gimp, const double offset)
+Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const bool gimp, const Kind kind,
+                       const double offset)
 {
   const LeafTable<dim>& table = mesh.leaves();
   const Particles<dim> particles = make_particles(table, octree, offset);
@@ -158,17 +159,18 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
                 {{stencils.pattern_node_begin, stencils.pattern_nodes}, {faces.node_begin, faces.nodes}},
                 std::vector<unsigned char>(dim * nodes.n_local(), 0));
 
-  const Materials materials = make_materials();
-  const auto at_rest = system.make_nodal_vector();
   const auto ghost = [&](const View<double*>& weight)
   {
     return assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
                     { add_ghost_matrix<dim>(faces, weight, graph, values); });
   };
+  if (kind == Kind::mass)
+    return {consistent_mass(stencils, particles.volume, nodes.n_local()), first_component(ghost(faces.mass), dim)};
+  const Materials materials = make_materials();
+  const auto at_rest = system.make_nodal_vector();
   return {assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
                    { add_tangent<dim>(arrays, stencils, materials, at_rest, graph, values); }),
-          ghost(faces.stiffness), consistent_mass(stencils, particles.volume, nodes.n_local()),
-          first_component(ghost(faces.mass), dim)};
+          ghost(faces.stiffness)};
 }
 
 double condition_number(const Eigen::MatrixXd& matrix, const unsigned int n_rigid)
@@ -185,6 +187,6 @@ double condition_number(const Eigen::MatrixXd& matrix, const unsigned int n_rigi
 
 template std::unique_ptr<BackgroundMesh<2>> make_mesh<2>(bool);
 template std::unique_ptr<BackgroundMesh<3>> make_mesh<3>(bool);
-template Matrices make_matrices<2>(const BackgroundMesh<2>&, bool, bool, double);
-template Matrices make_matrices<3>(const BackgroundMesh<3>&, bool, bool, double);
+template Matrices make_matrices<2>(const BackgroundMesh<2>&, bool, bool, Kind, double);
+template Matrices make_matrices<3>(const BackgroundMesh<3>&, bool, bool, Kind, double);
 } // namespace kedge::translation

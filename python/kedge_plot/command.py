@@ -41,7 +41,14 @@ def parser():
     section.add_argument("--at", type=float, default=0.,
                          help="position of the section along that axis [m] (default: 0)")
     section.add_argument("--field", default="displacement magnitude",
-                         help="what to draw, such as stress_xx, mean stress, volume (default: displacement magnitude)")
+                         help="what to draw, such as stress_xx, mean stress, volume (default: displacement magnitude); "
+                              "\"shear strain\" is the equivalent shear strain sqrt(2/3 e:e), where e is the deviator "
+                              "of the total logarithmic strain; the run must have written the deformation gradient")
+    section.add_argument("--since", type=int, metavar="STAGE",
+                         help="draw displacement or shear strain since the start of this stage, from 1 (default: since "
+                              "the start of the run)")
+    section.add_argument("--blocks", action="store_true",
+                         help="give every material point one colour, instead of smooth colours between them")
     section.add_argument("--step", type=int, help="number in the names of the files (default: the last)")
     section.add_argument("--limits", type=float, nargs=2, metavar=("MIN", "MAX"),
                          help="range of the colours, in drawn units")
@@ -118,16 +125,37 @@ def _plot_section(run, target, options, caption):
     from .figures import draw_section
 
     grids, step = run.soil(options.step)
+    since, note = _subtract_start(run, grids, step, options)
     mesh = run.mesh(step) if options.mesh else None
     section = cut(grids, run.surface(step), options.plane, options.at, options.field, mesh)
-    name = options.field.replace(" ", "_")
-    path = target / f"section_{options.plane}_{name}_{step:05d}.png"
-    draw_section(section, path, options.field, f"Step {step}, {options.plane} = {options.at:g} m", options.limits,
-                 options.window, caption)
-    text = str(path)
+    parts = ["section", options.plane, options.field.replace(" ", "_")]
+    parts += [f"since_stage_{options.since}"] if options.since else []
+    path = target / ("_".join(parts) + f"_{step:05d}.png")
+    title = f"Step {step}, {options.plane} = {options.at:g} m" + (f", since {since}" if since else "")
+    draw_section(section, path, options.field, title, options.limits, options.window, caption, options.blocks)
+    text = str(path) + note
     if options.area_above is not None:
         text += "\n  " + _area_above(section, options.area_above)
     return text
+
+
+def _subtract_start(run, grids, step, options):
+    """Makes the fields those since the start of the stage of --since. Returns from when on they count, and a note if
+    that is not the start of the stage."""
+    from .since import FIELDS, output_before, subtract
+
+    if options.since is None:
+        return "", ""
+    if not options.field.startswith(FIELDS):
+        raise PlotError(f"--since: a section since a stage shows {' or '.join(FIELDS)}, not \"{options.field}\"")
+    if options.since == 1:
+        return "stage 1 began", ""
+    reference, start = output_before(run, options.since, step)
+    subtract(grids, run.soil(reference)[0])
+    if reference == start:
+        return f"stage {options.since} began", ""
+    return f"step {reference}", (f"\n  counts from step {reference}: the state at step {start}, at which stage "
+                                 f"{options.since} starts, was not written")
 
 
 def _area_above(section, threshold):

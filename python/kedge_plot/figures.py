@@ -5,10 +5,13 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the back end)
 import numpy as np  # noqa: E402
-from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh  # noqa: E402
+from matplotlib.tri import Triangulation  # noqa: E402
 from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
 
 from .filling import triangles_between  # noqa: E402
+from .section import Backdrop  # noqa: E402
+from .smoothing import edge_places, edge_values, rectangle_corners  # noqa: E402
 
 _STYLE = {"font.size": 9, "axes.labelsize": 9, "axes.linewidth": 0.8, "figure.dpi": 200, "savefig.dpi": 200,
           "legend.frameon": False, "xtick.direction": "in", "ytick.direction": "in", "mathtext.default": "regular"}
@@ -52,42 +55,41 @@ def draw_resistance(curve, path, area=None, fit=None, caption=""):
         _finish(figure, axes, caption, path)
 
 
-def draw_section(section, path, field, title="", limits=None, window=None, caption=""):
-    """Draws coloured rectangles with the bodies' outline. limits: range of the colours, in the drawn unit; window: part
-    of the plane (left, right, bottom, top), m."""
+def draw_section(section, path, field, title="", limits=None, window=None, caption="", blocks=False):
+    """Draws the soil with the bodies' outline. limits: range of the colours, in the drawn unit; window: part of the
+    plane (left, right, bottom, top), m; blocks: one colour per material point."""
     unit, factor = unit_of(field)
     left, right, bottom, top = window or _extent(section)
     with plt.rc_context(_STYLE):
         width = 6.3
         height = np.clip(width * (top - bottom) / (right - left), 1.2, 8.) + 0.8
         figure, axes = plt.subplots(figsize=(width, height), layout="constrained")
-        boxes = add_soil(axes, section, factor, limits)
+        soil = add_soil(axes, section, factor, limits, blocks)
         if len(section.cells):
             frames = rectangle_corners(section.cells[:, 0], section.cells[:, 1])
             axes.add_collection(PolyCollection(frames, facecolors="none", edgecolors="0.6", linewidths=0.4))
         if len(section.outline):
             axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1., capstyle="round"))
-        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", title=title,
-                 xlabel=f"{section.axes[0]} [m]", ylabel=f"{section.axes[1]} [m]")
+        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"{section.axes[0]} [m]",
+                 ylabel=f"{section.axes[1]} [m]")
+        axes.set_title(title, loc="left")
         beside = make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.1)
-        figure.colorbar(boxes, cax=beside, label=_label(field) + (f" [{unit}]" if unit else ""))
+        figure.colorbar(soil, cax=beside, label=_label(field) + (f" [{unit}]" if unit else ""),
+                        extend=_beyond(factor * section.values, *soil.get_clim()))
         _finish(figure, axes, caption, path)
 
 
-def add_soil(axes, section, factor, limits=None):
-    """Draws the section's rectangles over their backdrop, and both over triangles that fill the cracks between them.
-    Returns the collection that a colour bar needs."""
-    drawn = []
-    lower, upper, values = (np.concatenate([getattr(section.backdrop, name), getattr(section, name)])
-                            for name in ("lower", "upper", "values"))
-    triangles = triangles_between(lower, upper, section.outline)
-    if triangles is not None and not triangles.mask.all():
-        drawn.append(axes.tripcolor(triangles, factor * values, shading="gouraud", cmap="viridis", rasterized=True))
-    for boxes in (section.backdrop, section):
-        # Lines or smoothing would let the background show between boxes that touch.
-        drawn.append(PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values,
-                                    cmap="viridis", linewidths=0., antialiased=False, rasterized=True))
-        axes.add_collection(drawn[-1])
+def add_soil(axes, section, factor, limits=None, blocks=False):
+    """Draws the section's boxes over triangles that fill the cracks between them, and these over the backdrop. Colours
+    run smoothly from one material point to the next, up to the outer edges of the boxes; with `blocks`, every box has
+    one colour. Returns the collection that a colour bar needs."""
+    behind = Backdrop(*(np.concatenate([getattr(section.backdrop, name), getattr(section, name)])
+                        for name in ("lower", "upper", "values")))
+    draw = _add_blocks if blocks else _add_smooth
+    drawn = [collection for collection in (_add_filling(axes, behind, factor, section.outline),
+                                           draw(axes, section.backdrop, factor, section.outline),
+                                           _add_filling(axes, section, factor, section.outline),
+                                           draw(axes, section, factor, section.outline)) if collection]
     if limits is None:
         limits = factor * section.values.min(), factor * section.values.max()
     for collection in drawn:
@@ -95,10 +97,42 @@ def add_soil(axes, section, factor, limits=None):
     return drawn[-1]
 
 
-def rectangle_corners(low, high):
-    """Four corners of each rectangle, shape (n, 4, 2)."""
-    return np.stack([low, np.column_stack([high[:, 0], low[:, 1]]), high, np.column_stack([low[:, 0], high[:, 1]])],
-                    axis=1)
+def _add_filling(axes, boxes, factor, outline):
+    triangles = triangles_between(boxes.lower, boxes.upper, outline)
+    if triangles is None or triangles.mask.all():
+        return None
+    return _add_shaded(axes, triangles, factor * boxes.values)
+
+
+def _add_blocks(axes, boxes, factor, _):
+    # Lines or smoothing would let the background show between boxes that touch.
+    blocks = PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap="viridis",
+                            linewidths=0., antialiased=False, rasterized=True)
+    return axes.add_collection(blocks)
+
+
+def _add_smooth(axes, boxes, factor, outline):
+    """Eight triangles per box, from its centre to its edges."""
+    n = len(boxes.values)
+    if n == 0:
+        return None
+    places = np.concatenate([edge_places(boxes.lower, boxes.upper).reshape(-1, 2), (boxes.lower + boxes.upper) / 2.])
+    values = np.concatenate([edge_values(boxes.lower, boxes.upper, boxes.values, outline).ravel(), boxes.values])
+    first, centre = 8 * np.arange(n), 8 * n + np.arange(n)
+    triangles = np.concatenate([np.column_stack([first + i, first + (i + 1) % 8, centre]) for i in range(8)])
+    return _add_shaded(axes, Triangulation(*places.T, triangles), factor * values)
+
+
+def _add_shaded(axes, triangulation, values):
+    """Like tripcolor, without its search for the limits of the axes, which takes longer than the drawing."""
+    mesh = TriMesh(triangulation, array=values, cmap="viridis", rasterized=True)
+    return axes.add_collection(mesh, autolim=False)
+
+
+def _beyond(values, lowest, highest):
+    """At which ends of a colour bar some values lie beyond it, in matplotlib's words."""
+    below, above = values.min() < lowest, values.max() > highest
+    return "both" if below and above else "min" if below else "max" if above else "neither"
 
 
 def _extent(section):

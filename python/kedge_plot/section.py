@@ -4,9 +4,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import PlotError
+from .fields import evaluate
 
 _LINE, _TRIANGLE, _QUAD, _HEXAHEDRON = 3, 5, 9, 12
-_COMPONENTS = {3: ["x", "y", "z"], 6: ["xx", "yy", "zz", "xy", "yz", "xz"], 9: [str(i) for i in range(1, 10)]}
 
 
 @dataclass
@@ -42,7 +42,7 @@ def cut(grids, surface, plane, at, field, mesh=None):
     kept = [i for i in range(3) if i != normal]
     lower, upper, values, missed = [], [], [], []
     for grid in grids:
-        boxes, value = _boxes(grid), evaluate(grid.cell_data, field)
+        boxes, value = box_bounds(grid), evaluate(grid.cell_data, field)
         hit = _crossing(boxes, normal, at)
         lower.append(boxes[0][hit][:, kept])
         upper.append(boxes[1][hit][:, kept])
@@ -54,7 +54,7 @@ def cut(grids, surface, plane, at, field, mesh=None):
     *backdrop, away = map(np.concatenate, zip(*missed))
     order = np.argsort(-away, kind="stable")
     if len(values) == 0:
-        extent = [_boxes(grid) for grid in grids if len(grid.types)]
+        extent = [box_bounds(grid) for grid in grids if len(grid.types)]
         between = (f"; the soil lies between {min(b[0][:, normal].min() for b in extent):.6g} and "
                    f"{max(b[1][:, normal].max() for b in extent):.6g} m") if extent else ""
         raise PlotError(f"the plane {plane} = {at:g} m meets no material point{between}")
@@ -66,12 +66,12 @@ def cut(grids, surface, plane, at, field, mesh=None):
 
 def _cells(mesh, normal, at):
     """Lower and upper corners (n, 2, 3) of the cells that the plane meets."""
-    boxes = _boxes(mesh)
+    boxes = box_bounds(mesh)
     return np.stack(boxes, axis=1)[_crossing(boxes, normal, at)]
 
 
-def _boxes(grid):
-    """Lower and upper corners of all cells, which are boxes (in plane strain rectangles)."""
+def box_bounds(grid):
+    """Lower and upper corners (n, 3), m, of all cells, which are boxes (in plane strain rectangles)."""
     cells = grid.cells(_HEXAHEDRON)
     if cells.size == 0:
         cells = grid.cells(_QUAD)
@@ -112,37 +112,3 @@ def _outline(surface, normal, at):
         share = height[rows, lone] / (height[rows, lone] - height[rows, other])
         ends.append(corners[rows, lone] + share[:, None] * (corners[rows, other] - corners[rows, lone]))
     return np.stack(ends, axis=1)
-
-
-def evaluate(data, field):
-    """A scalar per cell: "volume", "stress_xx", "displacement" or "displacement magnitude" (the norm of a vector),
-    "mean stress" (a third of the trace) or "deviatoric stress" (von Mises)."""
-    if field in ("mean stress", "deviatoric stress") and "stress" in data:
-        stress = data["stress"]
-        mean = stress[:, :3].sum(axis=1) / 3.
-        if field == "mean stress":
-            return mean
-        deviator = stress[:, :3] - mean[:, None]
-        return np.sqrt(1.5 * (deviator**2).sum(axis=1) + 3. * (stress[:, 3:]**2).sum(axis=1))
-    name = field[:-len(" magnitude")] if field.endswith(" magnitude") else field
-    if name in data:
-        values = data[name]
-        if values.ndim == 1:
-            return values
-        if values.shape[1] == 3:
-            return np.linalg.norm(values, axis=1)
-    base, _, component = field.rpartition("_")
-    if base in data and data[base].ndim == 2 and component in _COMPONENTS.get(data[base].shape[1], []):
-        return data[base][:, _COMPONENTS[data[base].shape[1]].index(component)]
-    raise PlotError(f"no field \"{field}\"; there are: {', '.join(_field_names(data))}")
-
-
-def _field_names(data):
-    names = []
-    for name, values in sorted(data.items()):
-        if values.ndim == 1:
-            names.append(name)
-        else:
-            names += [name] if values.shape[1] == 3 else []
-            names += [f"{name}_{component}" for component in _COMPONENTS.get(values.shape[1], [])]
-    return names + (["mean stress", "deviatoric stress"] if "stress" in data else [])

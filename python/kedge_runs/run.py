@@ -1,5 +1,4 @@
 """Finds the files of a run and reads them."""
-import csv
 import functools
 import json
 import pathlib
@@ -45,6 +44,12 @@ class Run:
             raise RunError(f"{self.folder}: holds no summary.json that lists stages")
         return self.summary["stages"]
 
+    def step_before(self, stage):
+        """The step counter at the start of a stage, from 1: the number of the last step before it."""
+        if not 0 < stage <= len(self.stages):
+            raise RunError(f"{self.folder}: has no stage {stage}; it has stages 1 to {len(self.stages)}")
+        return 1 + sum(entry["steps"] for entry in self.stages[:stage - 1])
+
     @property
     def newton_iterations(self):
         """Newton iterations of every step that the log shows."""
@@ -58,10 +63,11 @@ class Run:
         inside = sum(phases.get(name, 0.) for name in ("residual", "tangent", "linear solver", "time steps"))
         return (sum(phases.values()) - inside) / time.get("total", np.nan)
 
-    def start_of(self, body):
-        """Position of a body at the start of the first stage, m; None where the summary does not say."""
-        stages = self.summary.get("stages") or [{}]
-        points = stages[0].get("rigid points at start", [])
+    def start_of(self, body, stage=1):
+        """Position of a body at the start of a stage, after it was placed there, m; None where the summary does not
+        say."""
+        stages = self.summary.get("stages") or []
+        points = stages[stage - 1].get("rigid points at start", []) if stage <= len(stages) else []
         return points[body - 1] if 0 < body <= len(points) else None
 
     def bodies(self):
@@ -169,17 +175,21 @@ class Run:
 
 def _read_table(path, skip):
     """Columns by name of a CSV file whose names stand below `skip` lines. A row that the program has written only in
-    part is left out."""
+    part, with fewer columns or without the end of its line, is left out."""
     try:
-        with open(path, newline="", encoding="utf-8") as stream:
-            rows = list(csv.reader(stream))[skip:]
+        lines = path.read_text(encoding="utf-8").split("\n")[skip:-1]
     except OSError as error:
         raise RunError(f"{path}: cannot be read ({error.strerror})") from error
-    if not rows or not rows[0]:
+    except UnicodeDecodeError as error:
+        raise RunError(f"{path}: is not text ({error})") from error
+    if not lines or not lines[0]:
         raise RunError(f"{path}: holds no names of columns yet")
-    names, rows = rows[0], [row for row in rows[1:] if len(row) == len(rows[0])]
+    names = lines[0].split(",")
+    rows = [line for line in lines[1:] if line and line.count(",") == len(names) - 1]
+    if not rows:
+        return {name: np.empty(0) for name in names}
     try:
-        values = np.array(rows, dtype=float).reshape(-1, len(names))
+        values = np.loadtxt(rows, delimiter=",", comments=None, ndmin=2)
     except ValueError as error:
         raise RunError(f"{path}: {error}") from error
     return dict(zip(names, values.T))

@@ -3,7 +3,9 @@ import csv
 import hashlib
 import importlib.util
 import json
+import pathlib
 import re
+import sys
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from .taking import take
 
 SUMMED = ("steps", "cuts", "newton iterations", "krylov iterations", "time steps", "deleted")
 COSTS = ("steps", "cuts", "newton iterations", "krylov iterations", "material points", "dofs")
+CODE = [pathlib.Path(__file__), pathlib.Path(__file__).with_name("taking.py")]
 N_KEPT = 400  # points of a curve that a chart needs
 
 
@@ -42,9 +45,10 @@ def read(study, case, folder):
 
 
 def _key(study, case, folder):
-    """Hash of the questions, and of the run's end."""
-    sources = [(study.folder / entry["function"].partition(":")[0]).read_text(encoding="utf-8")
-               for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
+    """Hash of the questions, of the run's end, and of the code that answers."""
+    files = CODE + [study.folder / entry["function"].partition(":")[0]
+                    for entry in [*study.answers.values(), *study.curves.values()] if "function" in entry]
+    sources = [path.read_text(encoding="utf-8") for path in files]
     record = (folder / "record.json").read_text(encoding="utf-8")
     content = [study.columns, study.curves, study.answers, {name: repr(value) for name, value in case.names.items()},
                sources, record]
@@ -148,10 +152,7 @@ def _bound(study, columns, run, curve):
 def _displacement(columns, run, body, axis, stage):
     """Displacement of a body since the start of a stage, m."""
     position = columns[f"body{body}_position_{axis}"]
-    before = np.flatnonzero(columns["stage"] < stage)
-    start = run.start_of(body)
-    if stage > 1 and len(before):
-        return position - position[before[-1]]
+    start = run.start_of(body, stage)
     return position - (start["xyz".index(axis)] if start else position[0])
 
 
@@ -202,6 +203,8 @@ def function_of(study, text, where):
     file, _, name = text.partition(":")
     path = study.folder / file
     spec = importlib.util.spec_from_file_location(f"study_{path.stem}", path)
+    if str(study.folder) not in sys.path:
+        sys.path.insert(0, str(study.folder))  # for what the file imports from its neighbours
     try:
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)

@@ -30,7 +30,8 @@ def charts_of(study, part):
 
 def draw(study, part, results, path):
     """Draws a part into PATH.png and PATH.svg; returns whether there was anything to draw."""
-    drawable = [chart for chart in charts_of(study, part) if panels.has_content(study, chart, results)]
+    drawable = [(chart, shown) for chart in charts_of(study, part)
+                if panels.has_content(study, chart, shown := panels.shown(study, chart, results))]
     if not drawable:
         return False
     rows = -(-len(drawable) // PER_ROW)
@@ -38,8 +39,8 @@ def draw(study, part, results, path):
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(rows, columns, figsize=(WIDTH * columns, HEIGHT * rows), squeeze=False,
                                     layout="constrained")
-        for panel, chart in zip(axes.flat, drawable):
-            DRAW[chart["kind"]](panel, study, part, chart, results)
+        for panel, (chart, shown) in zip(axes.flat, drawable):
+            DRAW[chart["kind"]](panel, study, part, chart, shown)
             if "title" in chart:
                 panel.set_title(chart["title"])
         for panel in axes.flat[len(drawable):]:

@@ -12,6 +12,7 @@ from kedge_runs.program import ROOT
 from . import StudyError, execute, page, records, results
 from .cases import cases_of
 from .progress import duration, seconds
+from .rehearsal import rehearse
 from .study import SCHEMA, load
 
 
@@ -69,6 +70,8 @@ def _study(options):
     work = (options.work or output / "runs").resolve()
     parts = cases_of(study, options.program, options.parts)
     cases = list({case.input: case for of_part in parts.values() for case in of_part}.values())
+    for case in cases:
+        rehearse(study, case)
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -80,7 +83,7 @@ def _study(options):
         if not ended:
             print("interrupted; the same command goes on", file=sys.stderr)
             return 130
-    found = results.of_runs(study, cases, work)
+    found = results.of_runs(study, cases, work) if work.is_dir() else {}
     if options.draw:
         found = results.of_table(study, cases, study.folder) | found
         found = {case.input: found[case.input] for case in cases if case.input in found}

@@ -1,12 +1,13 @@
 """The page of a study: Markdown for the repository, and one HTML file that holds everything."""
 import base64
 import html
+import textwrap
 
 from . import convergence as orders
 from . import pictures
 from .cases import varied
 from .charts import charts_of, draw
-from .panels import main_answer, points_of, series
+from .panels import main_answer, points_of, series, shown
 from .progress import duration
 
 CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}
@@ -39,7 +40,9 @@ def table(study, part, results):
     head = [study.label(name) for name in names] or ["run"]
     for name in asked:
         head += [study.label(name)] + (["error / %"] if name in with_error and not _is_zero(results, name) else [])
-    head += ["ended", "CPU time / s", "memory / MB", "steps", "cuts", "Newton", "points"]
+    counts = {} if study.command else {"steps": "steps", "cuts": "cuts", "Newton": "newton iterations",
+                                       "points": "material points"}
+    head += ["ended", "CPU time / s", "memory / MB", *counts]
     rows = []
     for result in results:
         row = [study.text(name, result.case.values[name]) for name in names] or ["default"]
@@ -51,8 +54,7 @@ def table(study, part, results):
         end = "" if result.reached is None else f" at {result.reached:.3g}"
         row.append(result.status if result.is_finished else f"**{result.status}**{end}")
         row += [f"{result.cpu:.3g}", f"{1e-6 * result.memory:.0f}",
-                *(_number(result.costs.get(name), 1., "{:.0f}") for name in
-                  ("steps", "cuts", "newton iterations", "material points"))]
+                *(_number(result.costs.get(name), 1., "{:.0f}") for name in counts.values())]
         rows.append(row)
     return head, rows
 
@@ -72,8 +74,8 @@ def convergence_lines(study, part, results):
     for chart in charts_of(study, part):
         if chart["kind"] != "convergence":
             continue
-        answer = main_answer(study, chart)
-        for group in series(study, results, chart["over"]):
+        answer, of_chart = main_answer(study, chart), shown(study, chart, results)
+        for group in series(study, of_chart, chart["over"]):
             sizes, values = points_of(group, chart["over"], answer)
             known = group[0].references.get(answer, [])
             text = []
@@ -83,7 +85,7 @@ def convergence_lines(study, part, results):
                 text.append(f"order {order:.2f}")
             if known and known[0][1] and (order := orders.order_of_errors(sizes, values / known[0][1] - 1.)):
                 text.append(f"order of the error {order:.2f}")
-            names = [name for name in varied(study, [r.case for r in results]) if name != chart["over"]]
+            names = [name for name in varied(study, [r.case for r in of_chart]) if name != chart["over"]]
             which = ", ".join(f"{study.label(name).partition(' / ')[0]} {study.text(name, group[0].case.values[name])}"
                               for name in names)
             if text:
@@ -111,22 +113,28 @@ def failures(results):
 
 
 def _markdown(study, sections, results):
-    text = f"# {study.title}\n\n{study.question}\n"
+    text = f"# {study.title}\n\n{_wrapped(study.question)}\n"
     if study.source:
-        text += f"\nReference: {study.source}\n"
+        text += f"\n{_wrapped(f'Reference: {study.source}')}\n"
     for name, of_part, n, charts in sections:
         part = study.parts[name]
         head, rows = table(study, part, of_part)
-        text += f"\n## {part.get('title', name)}\n\n" + (part["text"] + "\n\n" if "text" in part else "")
+        text += f"\n## {part.get('title', name)}\n\n"
+        text += _wrapped(part["text"]) + "\n\n" if "text" in part else ""
         for caption, chart in charts:
             caption = caption or part.get("title", name)
-            text += f"![{caption}]({chart.name}.png)\n\n"
+            text += _wrapped(f"![{caption}]({chart.name}.png)") + "\n\n"
         text += "\n".join("| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]) + "\n"
         lines = convergence_lines(study, part, of_part) + failures(of_part)
         if n > len(of_part):
             lines.append(f"{n - len(of_part)} of {n} runs are missing.")
-        text += ("\n" + "\n".join(f"- {line}" for line in lines) + "\n") if lines else ""
-    return text + f"\n{provenance(results)}\n"
+        text += ("\n" + "\n".join(_wrapped(f"- {line}", "  ") for line in lines) + "\n") if lines else ""
+    return text + f"\n{_wrapped(provenance(results))}\n"
+
+
+def _wrapped(text, indent=""):
+    """Text in lines of at most 120 characters."""
+    return textwrap.fill(text, 120, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
 
 
 def _picture(chart, text):

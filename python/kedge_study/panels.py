@@ -17,6 +17,12 @@ def main_answer(study, chart):
     return chart.get("answer") or next(iter(study.references), next(iter(study.answers), None))
 
 
+def shown(study, chart, results):
+    """The results that a chart is about."""
+    where = f"{study.path}: charts.only"
+    return [result for result in results if evaluate(chart.get("only", 1), result.case.names, where)]
+
+
 def has_content(study, chart, results):
     """Whether there is anything to draw."""
     if chart["kind"] == "curves":
@@ -102,7 +108,8 @@ def cost(axes, study, part, chart, results):
     floor = max(1e-6, 0.3 * min([error for error in errors.values() if error > 0.], default=1.))
     errors = {key: max(error, floor) for key, error in errors.items()}
     refined = _refined(study, part, chart)
-    for index, group in enumerate(series(study, known, refined) if refined else [[result] for result in known]):
+    for number, group in enumerate(series(study, known, refined) if refined else [[result] for result in known]):
+        index = number if refined else results.index(group[0])
         text = _label_without(study, group[0].case, cases, refined) if refined else label(study, group[0].case, cases)
         style = {"color": f"C{index % 10}", "linestyle": "-" if refined else "none", "linewidth": 0.8}
         if refined:
@@ -115,12 +122,17 @@ def cost(axes, study, part, chart, results):
     front = orders.pareto_front(costs, [errors[id(result)] for result in known])
     axes.step([costs[i] for i in front], [errors[id(known[i])] for i in front], where="post", color="0.5",
               linewidth=1., linestyle="--", label="best of all")
+    for index, result in enumerate(results):  # the runs that serve as reference
+        if result.error(answer) is None and result.answers.get(answer) is not None:
+            axes.axvline(result.cpu, color=f"C{index % 10}", linewidth=1., linestyle=":",
+                         label=label(study, result.case, cases))
     head = _head(study, answer)
     axes.set(xscale="log", yscale="log", xlabel="CPU time / s",
              ylabel=f"{head if 'error' in head else 'error of ' + head} / %")
     _plain_ticks(axes)
-    if len(known) < len(results):
-        axes.set_title(f"{len(results) - len(known)} of {len(results)} runs have no answer", color="C3")
+    lost = sum(result.answers.get(answer) is None for result in results)
+    if lost:
+        axes.set_title(f"{lost} of {len(results)} runs have no answer", color="C3")
     _legend(axes)
 
 

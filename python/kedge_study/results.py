@@ -65,7 +65,7 @@ def of_table(study, cases, folder):
     if not path.is_file():
         return {}
     with open(path, newline="", encoding="utf-8") as file:
-        rows = {row["input"]: row for row in csv.DictReader(file)}
+        rows = {row.get("input"): row for row in csv.DictReader(file)}
     curves = _kept_curves(folder / f"{study.name}-curves.csv")
     return {case.input: _of_row(study, case, rows[case.input], curves.get(case.input, {}))
             for case in cases if case.input in rows}
@@ -144,6 +144,10 @@ def _reference(name, reference, result, results, where):
     if "table" in reference:
         key = values[reference["by"]]
         return reference["table"].get(format(key, "g") if isinstance(key, (int, float)) else str(key))
+    if "run" in reference:
+        wanted = values | reference["run"]
+        other = next((other for other in results.values() if other.case.values == wanted), None)
+        return other.answers.get(name) if other and other is not result else None
     refined = reference["finest"]
     others = {key: value for key, value in values.items() if key != refined}
     alike = [other for other in results.values() if other.is_finished and other.answers.get(name) is not None

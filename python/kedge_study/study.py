@@ -143,6 +143,8 @@ def _check_names(study):
             for key in ("by", "finest"):
                 if key in reference:
                     require(reference[key], study.parameters, "parameter", f"references.{name}[{index}].{key}")
+            for parameter in reference.get("run", {}):
+                require(parameter, study.parameters, "parameter", f"references.{name}[{index}].run")
             if "table" in reference and "by" not in reference:
                 raise StudyError(f"{study.path}: references.{name}[{index}]: a table needs \"by\", a parameter's name")
     for name, part in study.parts.items():

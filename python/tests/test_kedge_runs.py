@@ -39,6 +39,27 @@ class Tables(unittest.TestCase):
         self.write("csv/rigid_body.csv", "time,step\n1,2\n2")
         np.testing.assert_array_equal(Run(self.folder).body("step"), [2.])
 
+    def test_a_number_that_may_go_on_is_left_out(self):
+        self.write("csv/rigid_body.csv", "time,step\n1,2\n2,3\n3,1")
+        np.testing.assert_array_equal(Run(self.folder).body("step"), [2., 3.])
+
+    def test_every_number_that_the_program_writes_is_read_back(self):
+        values = [0.1, -1.2345678901234567e-300, 5e-324, -0., np.inf, -np.inf, np.nan]
+        self.write("mps_1_00002.csv", "time,1\ngap,x\n" + "".join(f"{value!r},1\n" for value in values))
+        read = Run(self.folder).points("gap")
+        np.testing.assert_array_equal(read, values)
+        np.testing.assert_array_equal(np.signbit(read)[:-1], np.signbit(values)[:-1])
+
+    def test_a_word_among_the_numbers_is_named(self):
+        self.write("csv/rigid_body.csv", "time,step\n1,2\nlate,3\n")
+        with self.assertRaisesRegex(RunError, "rigid_body.csv: could not convert string 'late'"):
+            Run(self.folder).bodies()
+
+    def test_a_table_that_is_not_text_is_named(self):
+        (self.folder / "rigid_body.csv").write_bytes(b"time\xff\n1\n")
+        with self.assertRaisesRegex(RunError, "rigid_body.csv: is not text"):
+            Run(self.folder).bodies()
+
     def test_a_table_without_rows_is_named(self):
         self.write("csv/rigid_body.csv", "time,step\n")
         with self.assertRaisesRegex(RunError, "rigid_body.csv: holds no rows yet"):

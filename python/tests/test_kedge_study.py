@@ -148,6 +148,8 @@ class File(StudyCase):
                                  ({"references": {"G": [{"value": 1}]}}, "there is no answer \"G\""),
                                  ({"parts": {"a": {"grid": {"size": [1]}}}}, "there is no parameter \"size\""),
                                  ({"parts": {"a": {"grid": {"h": [1]}, "charts": [{"kind": "over"}]}}}, "over"),
+                                 ({"references": {"F": [{"value": "exakt"}]}}, "did you mean exact"),
+                                 ({"curves": {"force": {"x": "u", "y": "F * uu"}}}, "curves.force.y"),
                                  ({"command": ["x"]}, "top level"), ({"derived": {"n": "nn"}}, "derived.n")):
             with self.subTest(message):
                 self.write(**changes)
@@ -285,6 +287,24 @@ class Runs(StudyCase):
         self.assertEqual(self.table(), before)
         self.write({"sleep": 0.01})
         self.assertEqual(self.study("--draw", "--work", str(self.folder / "none"))[0], 2)  # results of another input
+
+    def test_a_chart_shows_only_the_runs_that_it_names(self):
+        def part(only):
+            return {"grid": {"h": [2, 1, 0.5]}, "charts": [{"kind": "convergence", "over": "h", "only": only}]}
+
+        for only, has_limit in (("h > 0", True), ("h < 2", False)):  # two sizes have no limit
+            self.write(parts={"a": part(only)})
+            self.assertEqual(self.study()[0], 0)
+            page = (self.folder / "out" / "test.md").read_text(encoding="utf-8")
+            self.assertEqual("limit 10" in page, has_limit)
+            self.assertTrue((self.folder / "out" / "test-a.png").is_file())
+            (self.folder / "out" / "test-a.png").unlink()
+        self.write(parts={"a": part("h > 2")})
+        self.assertEqual(self.study()[0], 0)
+        self.assertFalse((self.folder / "out" / "test-a.png").is_file())
+        self.write(parts={"a": part("size < 2")})
+        code, text = self.study()
+        self.assertEqual((code, "charts.only" in text), (2, True), text)
 
     def test_quick_form_expects(self):
         self.assertEqual(self.study("--quick")[0], 0)

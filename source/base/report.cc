@@ -37,13 +37,14 @@ std::string format_progress(const ProgressLine& shown)
              : fmt::format("{} NR {} {} Krylov {}", start, shown.iterations, end, shown.krylov_iterations);
 }
 
-Report::Report(const bool speak_, const bool quiet_) : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO))
+Report::Report(const bool speak_, const bool quiet_, const double interval_)
+    : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO)), interval(interval_)
 {
 }
 
 void Report::line(const std::string& text)
 {
-  end_progress();
+  close_line();
   if (speak && !quiet)
   {
     fmt::print("{}\n", text);
@@ -53,7 +54,7 @@ void Report::line(const std::string& text)
 
 void Report::warn(const std::string& text)
 {
-  end_progress();
+  close_line();
   given_warnings.push_back(text);
   if (speak)
     fmt::print(stderr, "warning: {}\n", text);
@@ -61,27 +62,49 @@ void Report::warn(const std::string& text)
 
 void Report::progress(const ProgressLine& shown)
 {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point now = Clock::now();
+  const auto seconds_since = [now](const Clock::time_point& then)
+  { return std::chrono::duration<double>(now - then).count(); };
   const double fraction = shown.end > 0. ? std::min(1., shown.time / shown.end) : 1.;
-  if (shown.stage != last_stage) // in its first step, or in the first one after a restart
+  const bool is_first = shown.stage != last_stage; // step of the stage, or after a restart
+  if (is_first)
   {
     last_stage = shown.stage;
-    last_percent = -1;
-    first_seen = std::chrono::steady_clock::now();
+    first_seen = now;
     first_fraction = fraction;
   }
-  const int percent = static_cast<int>(100. * fraction + 1e-6);
-  if (!speak || quiet || (!on_terminal && percent == last_percent))
+  if (!speak || quiet)
     return;
-  last_percent = percent;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - first_seen).count();
-  const double since = fraction - first_fraction;
-  const std::string left = since > 0. ? " left " + format_duration(elapsed * (1. - fraction) / since) : "";
-  fmt::print("{}{}{}{}", on_terminal ? "\r" : "", format_progress(shown), left, on_terminal ? "\x1b[K" : "\n");
+  const double done = fraction - first_fraction;
+  const std::string left =
+      done > 0. ? " left " + format_duration(seconds_since(first_seen) * (1. - fraction) / done) : "";
+  const std::string text = format_progress(shown) + left;
+  if (on_terminal)
+    fmt::print("\r{}\x1b[K", text);
+  else if (is_first || seconds_since(last_line) >= interval)
+  {
+    fmt::print("{}\n", text);
+    last_line = now;
+    waiting.clear();
+  }
+  else
+    waiting = text;
   std::fflush(stdout);
   line_open = on_terminal;
 }
 
 void Report::end_progress()
+{
+  close_line();
+  if (!waiting.empty())
+    fmt::print("{}\n", waiting);
+  waiting.clear();
+  std::fflush(stdout);
+}
+
+/// So that other text begins on a line of its own.
+void Report::close_line()
 {
   if (line_open)
     fmt::print("\n");

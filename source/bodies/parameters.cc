@@ -117,6 +117,13 @@ Section<JointParameters> joint_section()
 
 const char* const which_point = "Point that carries it, numbered from 1 in its system";
 
+void declare_edge_warning(Section<SurfaceParameters>& section)
+{
+  section.optional("warn of sharp edges", &SurfaceParameters::warns_of_sharp_edges, on_off(),
+                   "Warn where the soil at the surface is too coarse for its edges; \"off\" accepts that soil may slip "
+                   "past them");
+}
+
 Section<SurfaceParameters> stl_section()
 {
   using P = SurfaceParameters;
@@ -125,6 +132,7 @@ Section<SurfaceParameters> stl_section()
                    "ASCII or binary STL file in global coordinates, relative to the input file");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
   section.include(interface_section(false), &P::interface);
+  declare_edge_warning(section);
   section.ignored("mesh cache", "Not read: no volume mesh is needed");
   section.ignored("name", "Not read: a label");
   return section;
@@ -141,6 +149,7 @@ Section<SurfaceParameters> outline_section()
                    "inertia do not follow");
   section.required("point", &P::point, count(Bounds().at_least(1)), which_point);
   section.include(interface_section(false), &P::interface);
+  declare_edge_warning(section);
   section.check([](const P& surface, const Place& place)
                 { round_outline(surface.outline, surface.edge_radius, place.path()); });
   return section;

@@ -1,5 +1,5 @@
 #include <kedge/parameters/section.h>
-#include <kedge/particles/parameters.h>
+#include <kedge/particles/expressions.h>
 
 namespace kedge
 {
@@ -52,6 +52,9 @@ Section<MaterialPointParameters> material_points_section()
                    "and keeps its volume; not for soil that dilates");
   section.group("initial stress", Key::Presence::optional, initial_stress_section(),
                 "Stress before the first stage; without it the soil starts free of stress");
+  section.optional("initial velocity", &P::initial_velocity, expression_along_axes("m/s", initial_variables),
+                   "Velocity at the start of the first stage, a function of the position; without it the soil is at "
+                   "rest");
   return section;
 }
 } // namespace kedge

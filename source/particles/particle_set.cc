@@ -125,6 +125,19 @@ template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
   std::apply([&](const auto&... copy) { (Kokkos::deep_copy(arrays.*copy.field.array, copy.values), ...); }, copies);
 }
 
+template <int dim> std::vector<std::array<double, dim>> ParticleSet<dim>::initial_positions() const
+{
+  std::vector<std::array<double, dim>> result;
+  result.reserve(fresh().order.size());
+  for (const Place& place : fresh().order)
+  {
+    const auto properties = place.particle->get_properties();
+    result.emplace_back();
+    std::copy_n(&properties[field::initial_position], dim, result.back().begin());
+  }
+  return result;
+}
+
 template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
 {
   for (auto& particle : particles)

@@ -7,6 +7,7 @@
 #include <kedge/output/fields.h>
 #include <kedge/parameters/manual.h>
 #include <kedge/parameters/section.h>
+#include <kedge/particles/expressions.h>
 #include <kedge/simulation/input.h>
 #include <sstream>
 
@@ -50,7 +51,13 @@ Section<Input> domain_section()
 {
   Section<Input> section("The grid and gravity");
   section.ignored("size", "Not read: the grid ends where the soil does, and has as much empty space above it");
-  section.required("gravity", &Input::gravity, vector("m/s2"), "Acceleration of gravity, not zero");
+  section.required("gravity", &Input::gravity, vector("m/s2"),
+                   "Acceleration of gravity; not zero, but where there is a body force");
+  section.optional("body force", &Input::body_force, expression_along_axes("m/s2", present_variables),
+                   "Acceleration of the soil in addition to gravity; bodies do not feel it. X, Y, Z is the initial and "
+                   "x, y, z the present position of a material point as a step begins (explicit: a basis step), t the "
+                   "time since the start of the stage, in static stages the load fraction. It is not scaled by "
+                   "\"gravity ramp\"");
   return section;
 }
 

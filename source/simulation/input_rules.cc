@@ -35,9 +35,9 @@ double point_spacing(const Input& input)
 
 void check_soil(const Input& input, const Place& root)
 {
-  if (input.gravity == std::array<double, 3>{})
+  if (input.gravity == std::array<double, 3>{} && input.body_force.empty())
     root.key("domain").key("gravity").fail("gravity is zero, but convergence is measured by the soil's weight",
-                                           "give it a direction, for example [0, 0, -9.81]");
+                                           "give it a direction, for example [0, 0, -9.81], or add a \"body force\"");
   const double spacing = point_spacing(input);
   const Place layers = root.key("material points").key("layers");
   for (std::size_t i = 0; i < input.material_points.layers.size(); ++i)
@@ -56,6 +56,10 @@ void check_soil(const Input& input, const Place& root)
         .key("load")
         .fail("\"gravity ramp\" starts without weight, but \"initial stress\" already balances the full weight",
               "set it to \"full\" or remove \"initial stress\"");
+  if (!input.material_points.initial_velocity.empty() && first.type == StageType::static_)
+    root.key("material points")
+        .key("initial velocity")
+        .fail("the first stage is static, where nothing has a velocity", "remove it, or begin with a stage in time");
 }
 
 void check_sizes(const Stage& stage, const Input& input, const Place& place)
@@ -162,6 +166,10 @@ void check_weight(const Stage& stage, const Input& input, const Place& systems)
     systems.entry(0).key("points").entry(0).key("mass").fail(
         "bodies that may move have no mass at all, and their weight is what forces on them are compared with",
         "give them some, or fix them in every stage");
+  if (any_free && input.gravity == std::array<double, 3>{})
+    systems.entry(0).fail("bodies that may move have no weight, for gravity is zero, and their weight is what forces "
+                          "on them are compared with",
+                          "give \"domain.gravity\" a direction, or fix the bodies in every stage");
 }
 } // namespace
 

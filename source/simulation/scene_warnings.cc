@@ -17,8 +17,8 @@ std::string find_sharp_edge(const std::size_t number, const double radius, const
   if (radius >= facets * 0.5 * particle)
     return "";
   return fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
-                     "soil may slip past them; take finer cells there, or round them as kedge geometry --edge-radius "
-                     "does for plates and frusta",
+                     "soil may slip past them; take finer cells there, round them as kedge geometry --edge-radius does "
+                     "for plates and frusta, or accept it with \"warn of sharp edges\": \"off\"",
                      number, radius, 0.5 * particle);
 }
 
@@ -65,7 +65,8 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
       const double radius =
           dim == 3 ? welded.surface.sharpest_edge_radius()
                    : sharpest_corner_radius(round_outline(parameters.outline, parameters.edge_radius, "outline"));
-      if (const std::string warning = find_sharp_edge(number, radius, particle); !warning.empty())
+      if (const std::string warning = find_sharp_edge(number, radius, particle);
+          parameters.warns_of_sharp_edges && !warning.empty())
         warnings.push_back(warning);
       if (adhesion_is_idle(parameters.interface.or_else(input.contact.interface)))
         warnings.push_back(

@@ -74,7 +74,8 @@ private:
   std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
 
   std::unique_ptr<TrialStep<dim>> step; ///< the current one; survives a cut
-  std::vector<Vector6> reactions;       ///< of the last converged step, as the next
+  std::optional<BodyForce<dim>> body_force;
+  std::vector<Vector6> reactions; ///< of the last converged step, as the next
   std::vector<typename Contact<dim>::Touch> touches;
   bool has_warned_of_window = false;
   bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
@@ -92,6 +93,8 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
       writer(input_.output, options.output_directory, states_of(input_.material_points.layers), MPI_COMM_WORLD),
       checkpoints(input_.output, options.output_directory)
 {
+  if (!input.body_force.empty())
+    body_force.emplace(input.body_force);
   for (const std::string& warning : find_warnings(input, bodies))
     log.report().warn(warning);
   if (options.restart)
@@ -278,7 +281,8 @@ template <int dim> void Simulation<dim>::adapt()
 
 template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 {
-  const StepContext<dim> context{input.gravity, input.basis, input.solver, *stage, soil, bodies, log.timings()};
+  const StepContext<dim> context{input.gravity, input.basis, input.solver,  *stage,
+                                 soil,          bodies,      log.timings(), body_force ? &*body_force : nullptr};
   if (stage->stepping.type == StageType::explicit_)
     return std::make_unique<ExplicitStep<dim>>(context);
   return std::make_unique<ImplicitStep<dim>>(context);
@@ -288,6 +292,8 @@ template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
   StepLoad load;
   load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
+  load.start_time = clock.steps_done() * step_length(stage->stepping);
+  load.end_time = clock.steps_after() * step_length(stage->stepping);
   load.step_fraction = clock.step_fraction();
   load.newmark = {stage->stepping.beta, stage->stepping.gamma,
                   stage->stepping.type == StageType::dynamic ? clock.step_fraction() * stage->stepping.dt : 0.};

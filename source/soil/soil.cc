@@ -1,5 +1,6 @@
 #include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
+#include <kedge/particles/expressions.h>
 #include <kedge/particles/generation.h>
 #include <kedge/particles/merging.h>
 #include <kedge/particles/splitting.h>
@@ -44,6 +45,8 @@ template <int dim> long long Soil<dim>::count_cells() const
 template <int dim> void Soil<dim>::generate(const double gravity)
 {
   generate_particles(points, grid, given, gravity);
+  if (!given.initial_velocity.empty())
+    set_initial_velocity(points, given.initial_velocity, communicator());
   points.balance_load(particle_cost);
 }
 

@@ -12,7 +12,7 @@ Section<SolverParameters> solver_section()
   section.required(
       "tolerance", &P::tolerance, number("-", positive().below(1.)),
       "A step has converged when the norm of the residual on the free degrees of freedom falls below this times the "
-      "norm of the nodal weights of the soil (rigid degrees of freedom: the weight of all bodies)");
+      "norm of the nodal weights and body forces of the soil (rigid degrees of freedom: the weight of all bodies)");
   section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
                    "Newton iterations before a step is cut to half; it is cut sooner if half of them, but at least 24, "
                    "in a row make "

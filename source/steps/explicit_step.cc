@@ -119,14 +119,14 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   NewtonReport report;
   const double dt = duration / n_time_steps;
   impulse.assign(context.bodies.points.size(), Vector6::Zero());
-  bool admissible = follow_forces();
+  bool admissible = follow_forces(load.start_time);
   kick(0.5 * dt);
   for (unsigned int k = 1; k <= n_time_steps && admissible && report.failure.empty(); ++k)
   {
     drift(dt);
     if (motion)
       report.failure = motion->drift(load.step_fraction / n_time_steps, dt);
-    admissible = follow_forces();
+    admissible = follow_forces(load.start_time + k * dt);
     kick(k == n_time_steps ? 0.5 * dt : dt);
     ++report.iterations;
   }
@@ -162,9 +162,23 @@ template <int dim> void ExplicitStep<dim>::begin()
     motion.emplace(context.bodies, load.begins_stage);
 }
 
-/// Unbalanced forces and trial state at the present increment; false where that is not admissible.
-template <int dim> bool ExplicitStep<dim>::follow_forces()
+/// At the material points' positions at the start of the step.
+template <int dim> void ExplicitStep<dim>::find_body_force(const double time)
 {
+  if (context.body_force == nullptr || (body_force.extent(0) > 0 && !context.body_force->depends_on_time()))
+    return;
+  const ParticleSet<dim>& particles = context.soil.particles();
+  body_force = exchange.make_nodal_vector();
+  add_particle_momentum(particles.arrays(), basis.stencils,
+                        context.body_force->evaluate(particles, time, basis.nodes.communicator), body_force);
+  exchange.sum_over_ranks(body_force);
+}
+
+/// Unbalanced forces and trial state at the present increment and a time of the stage (s); false where the increment is
+/// not admissible.
+template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
+{
+  find_body_force(time);
   const NodalVector internal = force, full_weight = weight;
   Kokkos::deep_copy(force, 0.);
   const unsigned long inverted = advance_stress_and_force<dim>(
@@ -182,6 +196,10 @@ template <int dim> bool ExplicitStep<dim>::follow_forces()
   Kokkos::parallel_for(
       "unbalanced force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { internal(i) = factor * full_weight(i) - internal(i); });
+  if (const NodalVector acting = body_force; acting.extent(0) > 0)
+    Kokkos::parallel_for(
+        "body force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
+        KOKKOS_LAMBDA(const std::size_t i) { internal(i) += acting(i); });
   return sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) == 0;
 }
 

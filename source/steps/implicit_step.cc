@@ -1,5 +1,6 @@
 #include <cmath>
 #include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
 #include <kedge/steps/implicit_step.h>
 
 namespace kedge
@@ -112,8 +113,10 @@ template <int dim> std::vector<Vector6> ImplicitStep<dim>::reactions() const
 template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
 {
   load = load_;
+  find_body_force();
   if (load.newmark.is_dynamic() && load.starts_at_rest)
     find_first_acceleration();
+  body_force = last_body_force;
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
@@ -137,6 +140,55 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
     factor = next_augmentation(factor, excess / before);
   }
   return report;
+}
+
+/// With the measure of residuals: the nodal sums of the material points' weight and body force, of their sizes, so that
+/// opposite ones do not cancel. A body force may pass through zero or end: the larger of its values at both ends of the
+/// step counts, and in dynamic stages the measure is at least the force that would stop the soil within the stage.
+template <int dim> void ImplicitStep<dim>::find_body_force()
+{
+  if (context.body_force == nullptr)
+    return;
+  const ParticleSet<dim>& points = context.soil.particles();
+  const ParticleArrays& particles = points.arrays();
+  const auto evaluate = [&](const double time)
+  { return context.body_force->evaluate(points, time, basis.nodes.communicator); };
+  const View<double* [3]> first = evaluate(load.start_time);
+  const View<double* [3]> last = context.body_force->depends_on_time() ? evaluate(load.end_time) : first;
+  const View<double* [3]> size("size of forces", particles.n);
+  const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
+  Kokkos::parallel_for(
+      "size of forces", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
+        double before = 0., after = 0.;
+        for (int d = 0; d < dim; ++d)
+        {
+          before += first(p, d) * first(p, d);
+          after += last(p, d) * last(p, d);
+        }
+        size(p, 0) = g + std::sqrt(std::fmax(before, after));
+      });
+
+  const auto at_nodes = [&](const View<double* [3]>& quantity)
+  {
+    const NodalVector result = system->make_nodal_vector();
+    add_particle_momentum(particles, basis.stencils, quantity, result);
+    return result;
+  };
+  const auto norm = [&](const View<double* [3]>& quantity)
+  {
+    TpetraVector owned(system->graph().row_map);
+    system->collect(at_nodes(quantity), owned);
+    return owned.norm2();
+  };
+  first_body_force = at_nodes(first);
+  last_body_force = at_nodes(last);
+  body_force = first_body_force;
+  weight_norm = norm(size);
+  if (load.newmark.is_dynamic())
+    weight_norm = std::max(weight_norm, norm(particles.velocity) / context.stage.stepping.final_time);
+  if (weight_norm == 0.)
+    throw SolverError("neither gravity nor the body force acts on the soil in this step, but residuals are compared "
+                      "with them");
 }
 
 /// From the forces that nothing balances as the stage begins: a block that is let go falls from its first step on.
@@ -200,6 +252,10 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   Kokkos::parallel_for(
       "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { force(i) -= factor * weight(i); });
+  if (const NodalVector acting = body_force; acting.extent(0) > 0)
+    Kokkos::parallel_for(
+        "body force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
+        KOKKOS_LAMBDA(const std::size_t i) { force(i) -= acting(i); });
   if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);

@@ -21,28 +21,32 @@ struct ProgressLine
   long long deleted = 0, particles = 0;
 };
 
-/// Writes to the terminal from one rank. A terminal redraws the progress line in place; a log file gets a new one per
-/// whole percent of a stage.
+/// Writes to the terminal from one rank. A terminal redraws the progress line in place; a log file gets a line for the
+/// first and the last step of a stage, and between them one per interval of wall time.
 class Report
 {
 public:
-  /// `speak`: this rank prints; `quiet`: it prints warnings only.
-  Report(bool speak, bool quiet);
+  /// `speak`: this rank prints; `quiet`: it prints warnings only. `interval` (s) is that of a log file.
+  Report(bool speak, bool quiet, double interval = 10.);
 
   void line(const std::string& text);
   void warn(const std::string& text);
   void progress(const ProgressLine& shown);
-  /// Ends the progress line of a stage, so that other text begins on a line of its own.
+  /// Ends the progress line of a stage; a log file gets the last one where it was not due.
   void end_progress();
 
   const std::vector<std::string>& warnings() const { return given_warnings; }
 
 private:
+  void close_line();
+
   bool speak, quiet, on_terminal;
+  double interval;
   bool line_open = false;
-  int last_percent = -1;
+  std::string waiting; ///< progress that a log file has not got yet
   unsigned int last_stage = 0;
   std::chrono::steady_clock::time_point first_seen; ///< when the present stage first reported
+  std::chrono::steady_clock::time_point last_line;  ///< when a log file got its last line of progress
   double first_fraction = 0.;                       ///< how much of the stage was done then
   std::vector<std::string> given_warnings;
 };

@@ -65,6 +65,7 @@ struct SurfaceParameters
   double edge_radius = 0.;                    ///< of the outline's convex corners, m; see round_outline
   unsigned int point = 1;                     ///< numbered from 1
   InterfaceParameters interface;              ///< only the values that differ from "contact"
+  bool warns_of_sharp_edges = true;
 };
 
 struct TrackedNodeParameters

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <kedge/materials/parameters.h>
+#include <kedge/parameters/expression.h>
 #include <optional>
 #include <vector>
 
@@ -35,8 +36,9 @@ struct MaterialPointParameters
   std::array<double, 2> plan_extent{{0, 0}}; ///< block from 0 to here in x and y (2-D: x only), m
   std::vector<Layer> layers;                 ///< from the surface down
   DomainUpdate domain_update = DomainUpdate::none;
-  bool f_bar = false;       ///< "F-bar": volume changes averaged over cells
-  std::optional<double> K0; ///< "initial stress": horizontal over vertical stress
+  bool f_bar = false;              ///< "F-bar": volume changes averaged over cells
+  std::optional<double> K0;        ///< "initial stress": horizontal over vertical stress
+  ExpressionText initial_velocity; ///< m/s; empty: at rest
 };
 
 /// Keys of "material points", which hold "initial stress" too; "domain update" stands at the top level.

@@ -33,6 +33,8 @@ public:
   const std::vector<std::array<double, dim>>& half_widths() const { return fresh().half_width; }
   const std::vector<unsigned int>& leaves() const { return fresh().leaf; }
   const std::vector<long long>& ids() const { return fresh().id; }
+  /// In the same order: centres at the start of the run (m), taken from the handler.
+  std::vector<std::array<double, dim>> initial_positions() const;
 
   /// Notes the smallest gap (m) of each particle that is near a body; the others get NaN.
   void set_contact_gaps(const std::map<long long, double>& gaps);

@@ -40,7 +40,8 @@ private:
   RigidStep rigid_step() const;
   Eigen::Vector3d gravity() const;
   void begin();
-  bool follow_forces();
+  void find_body_force(double time);
+  bool follow_forces(double time);
   void kick(double time);
   void drift(double time);
   double largest_distance_in_cells() const;
@@ -51,6 +52,7 @@ private:
   View<double*> mass;                    ///< per local node, scaled, kg
   NodalVector inertia;                   ///< the same per local dof; infinite where it is held or has no mass
   NodalVector weight;                    ///< of all ranks, under full gravity, N
+  NodalVector body_force;                ///< of all ranks, at the last time step, N; empty without one
   double critical_dt = 0.;
 
   StepLoad load;

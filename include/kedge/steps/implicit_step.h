@@ -33,6 +33,7 @@ private:
   RigidStep rigid_step() const;
   NodePlaces find_node_places() const;
   void weigh_bodies();
+  void find_body_force();
   void find_first_acceleration();
   void choose_start(const NewtonProblem& newton);
   Prediction predict_next() const;
@@ -49,8 +50,10 @@ private:
   Teuchos::RCP<TpetraVector> increment;
   NodalVector local_increment;
   NodalVector full_weight; ///< nodal weight of the soil under full gravity, N
-  double weight_norm = 0.;
-  double body_weight = 0., body_lever = 1.; ///< N, m: what residuals of free bodies are measured by
+  NodalVector body_force;  ///< of the material points, N, at the time of the residual; empty without one
+  NodalVector first_body_force, last_body_force; ///< the same at both ends of the step
+  double weight_norm = 0.;                       ///< N: what residuals are measured by
+  double body_weight = 0., body_lever = 1.;      ///< N, m: what residuals of free bodies are measured by
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
   RigidBalance balance;                 ///< at the last evaluation, where there are free dofs

@@ -4,6 +4,7 @@
 #include <kedge/assembly/internal_force.h>
 #include <kedge/base/report.h>
 #include <kedge/bodies/rigid_balance.h>
+#include <kedge/particles/expressions.h>
 #include <kedge/soil/soil.h>
 #include <kedge/solvers/newton.h>
 #include <kedge/solvers/parameters.h>
@@ -23,17 +24,19 @@ template <int dim> struct StepContext
   Soil<dim>& soil;
   const RigidSystems& bodies; ///< at the start of the step
   Timings& timings;
+  const BodyForce<dim>* body_force = nullptr; ///< on the soil beside gravity, or none
 };
 
 /// What acts during a step.
 struct StepLoad
 {
   double gravity_factor = 1.;
-  double step_fraction = 1.;            ///< of a requested step
-  Newmark newmark;                      ///< with a dt of 0 in static and explicit stages
-  bool starts_at_rest = false;          ///< the first acceleration follows from the forces, not from the particles
-  bool begins_stage = false;            ///< those of the bodies are not known: other dofs may have become free
-  std::vector<Vector6> body_increments; ///< prescribed, per rigid point, of the whole (possibly cut) step
+  double start_time = 0., end_time = 0.; ///< of the step in its stage: s, or a fraction of the load
+  double step_fraction = 1.;             ///< of a requested step
+  Newmark newmark;                       ///< with a dt of 0 in static and explicit stages
+  bool starts_at_rest = false;           ///< the first acceleration follows from the forces, not from the particles
+  bool begins_stage = false;             ///< those of the bodies are not known: other dofs may have become free
+  std::vector<Vector6> body_increments;  ///< prescribed, per rigid point, of the whole (possibly cut) step
 };
 
 /// A step can be solved again for another load (a shorter one after a cut); nothing committed changes.

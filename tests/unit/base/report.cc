@@ -48,19 +48,50 @@ TEST(ProgressLine, StopsAtAHundredPercent)
   EXPECT_NE(format_progress(state).find("████████████ 100.0%"), std::string::npos);
 }
 
-TEST(Report, PrintsOneLinePerPercentIntoAFile)
+TEST(Report, AFileGetsTheFirstAndTheLastStepOfAStage)
 {
   const std::string text = printed(false,
                                    [](Report& report)
                                    {
                                      ProgressLine state = halfway();
-                                     for (const double time : {0.500, 0.501, 0.509, 0.511})
+                                     for (const double time : {0.5, 0.6, 0.7, 0.8})
                                      {
                                        state.time = time;
                                        report.progress(state);
                                      }
+                                     report.end_progress();
+                                     report.end_progress();
                                    });
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+  EXPECT_LT(text.find(" 50.0%"), text.find('\n'));
+  EXPECT_GT(text.find(" 80.0%"), text.find('\n'));
+  EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+TEST(Report, AFileGetsALinePerInterval)
+{
+  testing::internal::CaptureStdout();
+  Report report(true, false, 0.05);
+  report.progress(halfway());
+  report.progress(halfway());
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  report.progress(halfway());
+  report.end_progress();
+  const std::string text = testing::internal::GetCapturedStdout();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+}
+
+TEST(Report, OtherTextDoesNotBringMoreLinesOfProgress)
+{
+  const std::string text = printed(false,
+                                   [](Report& report)
+                                   {
+                                     report.progress(halfway());
+                                     report.progress(halfway());
+                                     report.line("a line");
+                                   });
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2);
+  EXPECT_EQ(text.substr(text.size() - 7), "a line\n");
 }
 
 TEST(Report, StartsAnewWithEachStage)

@@ -23,7 +23,8 @@ void expect_warning(const std::vector<std::string>& found, const std::string& wo
 
 TEST(Warnings, NoneAboutScenesThatMeanWhatTheySay)
 {
-  for (const char* scene : {"plate-anchor-ts.json", "strip-footing.json", "cube-octree.json", "column.json"})
+  for (const char* scene : {"plate-anchor-ts.json", "strip-footing.json", "cube-octree.json", "column.json",
+                            "drag-anchor-quick.json", "plate-anchor-explicit.json"})
     EXPECT_EQ(warnings(scene), std::vector<std::string>()) << scene;
 }
 
@@ -33,6 +34,16 @@ TEST(Warnings, EdgesSharperThanHalfAMaterialPoint)
                  "surface 1 has convex edges");
   expect_warning(warnings("strip-footing.json", {R"(analysis.0.adaptivity={"type": "uniform"})"}),
                  "surface 1 has convex edges");
+}
+
+TEST(Warnings, NoneAboutSharpEdgesThatTheInputAccepts)
+{
+  EXPECT_EQ(warnings("plate-anchor-ts.json", {R"(analysis.0.adaptivity={"type": "uniform"})",
+                                              R"(rigid bodies.0.stl files.0.warn of sharp edges="off")"}),
+            std::vector<std::string>());
+  EXPECT_EQ(warnings("strip-footing.json", {R"(analysis.0.adaptivity={"type": "uniform"})",
+                                            R"(rigid bodies.0.outline.0.warn of sharp edges="off")"}),
+            std::vector<std::string>());
 }
 
 TEST(Warnings, AdhesionThatIsNeverReached)
