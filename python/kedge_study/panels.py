@@ -166,9 +166,10 @@ def convergence(axes, study, part, chart, results):
             text += f" (order {order:.2f})"
         axes.plot(sizes * study.scale(over_), values * factor, "o-", color=f"C{index % 10}", markersize=5, linewidth=1.,
                   label=text)
-        for size, value, result in zip(sizes, values, [one for one in group if one.answers.get(answer) is not None]):
-            if not result.is_finished:
-                axes.plot(size * study.scale(over_), value * factor, "x", color=f"C{index % 10}", markersize=9)
+        for result in group:
+            if not result.is_finished and result.answers.get(answer) is not None:
+                axes.plot(result.case.values[over_] * study.scale(over_), result.answers[answer] * factor, "x",
+                          color=f"C{index % 10}", markersize=9)
         if found:
             axes.errorbar(0., found.limit * factor, abs(found.uncertainty * factor), color=f"C{index % 10}", marker="*",
                           capsize=4, linestyle="none", label="  " + found.text())

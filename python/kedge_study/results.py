@@ -122,7 +122,7 @@ def _write(path, rows):
 
 
 def _text(value):
-    return "" if value is None else f"{value:.6g}"
+    return "" if value is None else f"{value:.9g}"
 
 
 def add_references(study, results):
