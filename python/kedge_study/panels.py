@@ -156,10 +156,12 @@ def convergence(axes, study, part, chart, results):
     is_log = chart.get("scales") == "log"
     cases = [result.case for result in results]
     factor = study.scale(answer)
+    heights = []  # of points, limits and references: uncertainties may leave the panel
     for index, group in enumerate(series(study, results, over_)):
         sizes, values = points_of(group, over_, answer)
         if not len(sizes):
             continue
+        heights += [*(values * factor), *(value * factor for _, value in group[0].references.get(answer, []))]
         text = _label_without(study, group[0].case, cases, over_)
         found = orders.richardson(sizes, values) if not is_log else None
         if is_log and (order := orders.order_of_errors(sizes, values)):
@@ -171,6 +173,7 @@ def convergence(axes, study, part, chart, results):
                 axes.plot(result.case.values[over_] * study.scale(over_), result.answers[answer] * factor, "x",
                           color=f"C{index % 10}", markersize=9)
         if found:
+            heights += [found.limit * factor]
             axes.errorbar(0., found.limit * factor, abs(found.uncertainty * factor), color=f"C{index % 10}", marker="*",
                           capsize=4, linestyle="none", label="  " + found.text())
         _reference_lines(axes, group, answer, factor, f"C{index % 10}")
@@ -179,7 +182,8 @@ def convergence(axes, study, part, chart, results):
         axes.set(xscale="log", yscale="log")
         _plain_ticks(axes)
     else:
-        axes.set_xlim(left=-0.04 * axes.get_xlim()[1])
+        margin = 0.08 * (max(heights) - min(heights)) or 0.1 * abs(heights[0])
+        axes.set(xlim=(-0.04 * axes.get_xlim()[1], None), ylim=(min(heights) - margin, max(heights) + margin))
     _legend(axes)
 
 
