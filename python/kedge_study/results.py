@@ -91,6 +91,8 @@ def _kept_curves(path):
     points = {}
     with open(path, newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
+            if "run" not in row:
+                return {}  # of another program, or of another study
             key = (row["input"], row["run"]), row["curve"]
             points.setdefault(key, []).append((float(row["x"]), float(row["y"])))
     curves = {}
