@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <kedge/base/report.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -18,6 +20,15 @@ std::string format_duration(const double seconds)
   if (total >= 3600)
     return fmt::format("{}h{:02d}m", total / 3600, (total / 60) % 60);
   return total >= 60 ? fmt::format("{}m{:02d}s", total / 60, total % 60) : fmt::format("{}s", total);
+}
+/// Whether lines on the standard output can be drawn anew. mpirun gives its ranks terminals without a size whatever its
+/// own output is; scripts/mpirun says with KEDGE_TERMINAL that that one is a terminal.
+bool is_on_terminal()
+{
+  winsize size{};
+  if (!isatty(STDOUT_FILENO) || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0)
+    return false;
+  return size.ws_col > 0 || std::getenv("KEDGE_TERMINAL");
 }
 } // namespace
 
@@ -38,7 +49,7 @@ std::string format_progress(const ProgressLine& shown)
 }
 
 Report::Report(const bool speak_, const bool quiet_, const double interval_)
-    : speak(speak_), quiet(quiet_), on_terminal(isatty(STDOUT_FILENO)), interval(interval_)
+    : speak(speak_), quiet(quiet_), on_terminal(is_on_terminal()), interval(interval_)
 {
 }
 
