@@ -221,6 +221,11 @@ class Numbers(unittest.TestCase):
                 self.assertAlmostEqual(found.limit, 5., places=8)
                 self.assertAlmostEqual(found.uncertainty, 1.25 * 3. * 0.1**order, places=8)
 
+    def test_high_orders_are_not_trusted(self):
+        found = richardson([0.4, 0.2, 0.1], [5. + 3. * size**5 for size in (0.4, 0.2, 0.1)])
+        self.assertAlmostEqual(found.order, 5., places=6)
+        self.assertAlmostEqual(found.uncertainty, 1.25 * 3. * (0.2**5 - 0.1**5) / 3., places=10)
+
     def test_no_order_where_answers_swing(self):
         found = richardson([0.4, 0.2, 0.1], [1., 2., 1.5])
         self.assertIsNone(found.order)
