@@ -24,9 +24,9 @@ class Convergence:
 
 def richardson(sizes, answers):
     """Convergence of the answers on the three smallest sizes. The order solves f1 - f2 = C (h1^p - h2^p), so the sizes
-    may have any ratios; the uncertainty is the grid convergence index of the finest size with the safety factor 1.25,
-    or 3 with order 1 where there is none, and an order of at most 2 (Roache 1994, doi 10.1115/1.2910291; Celik et al. 2008, doi
-    10.1115/1.2960953). None with fewer than three sizes."""
+    may have any ratios. The uncertainty is the grid convergence index of the finest size with the safety factor 1.25
+    and an order of at most 2, or 3 with order 1 where there is none (Roache 1994, doi 10.1115/1.2910291; Celik et al.
+    2008, doi 10.1115/1.2960953). None with fewer than three sizes."""
     order_of_sizes = np.argsort(sizes)[:3]
     if len(order_of_sizes) < 3:
         return None
