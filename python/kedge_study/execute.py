@@ -1,6 +1,7 @@
 """Makes the runs that are missing: several at a time, the cheapest first, within the memory of the machine."""
 import datetime
 import json
+import math
 import os
 import shutil
 import signal
@@ -18,7 +19,6 @@ from .records import Record
 
 SHARE_OF_MEMORY = 0.85  # of what is free, for all runs together
 STATUS = {0: "finished", 3: "failed", 143: "interrupted"}
-MPI_ON_ANY_MACHINE = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 @dataclass
@@ -32,6 +32,7 @@ class Job:
     log: object = None
     started: float = 0.
     before: object = None  # record of an interrupted run that goes on
+    is_over_limit: bool = False  # told to end because it has used its CPU time
 
     @property
     def seconds(self):
@@ -65,7 +66,7 @@ def estimate(study, jobs, n_at_once):
         job.folder.mkdir(parents=True, exist_ok=True)
         scene = write_input(study, job.case, job.folder)
         result = subprocess.run([str(job.case.program), "check", str(scene), "--json"], capture_output=True, text=True,
-                                check=False, env=ENVIRONMENT | MPI_ON_ANY_MACHINE)
+                                check=False, env=ENVIRONMENT)
         if result.returncode == 2 and "--json" not in result.stderr:
             raise StudyError(f"{study.path}: {job.case.name}: {result.stderr.strip()}")
         try:
@@ -117,6 +118,7 @@ class Pool:
                         progress.ended(job, record)
                 progress.show(self.running, waiting)
         finally:
+            self._terminate()  # an error leaves no run behind
             for number, handler in previous.items():
                 signal.signal(number, handler)
             progress.close()
@@ -142,7 +144,7 @@ class Pool:
         job.started = time.time()
         try:
             job.process = subprocess.Popen(words, stdout=job.log, stderr=job.log, cwd=job.folder,
-                                           start_new_session=True, env=ENVIRONMENT | MPI_ON_ANY_MACHINE)
+                                           start_new_session=True, env=ENVIRONMENT)
         except OSError as error:
             raise StudyError(f"{words[0]}: cannot be started ({error.strerror})") from error
         self._record(job, "interrupted", "").write(job.folder)  # holds if this program is killed
@@ -152,8 +154,9 @@ class Pool:
         """The record of a job that has ended; None while it runs."""
         pid, status, usage = os.wait4(job.process.pid, os.WNOHANG)
         if not pid:
-            if cpu_time_of_session(job.process.pid) > self.time_limit and not getattr(job, "stopped", False):
-                job.stopped = True
+            may_go_on = math.isinf(self.time_limit) or job.is_over_limit
+            if not may_go_on and cpu_time_of_session(job.process.pid) > self.time_limit:
+                job.is_over_limit = True
                 os.killpg(job.process.pid, signal.SIGTERM)
             return None
         job.process.returncode = os.waitstatus_to_exitcode(status)
@@ -161,7 +164,7 @@ class Pool:
         code = job.process.returncode
         kind = STATUS.get(code, "interrupted" if self.interrupted else "crashed")
         message = "" if code == 0 else last_line(job.folder / "log") or f"exit code {code}"
-        if getattr(job, "stopped", False) and code:
+        if job.is_over_limit and code:
             kind, message = "stopped", f"time limit of {self.study.time_limit}"
         if code in (2, 4):
             raise StudyError(f"{self.study.path}: {job.case.name}: {message}")
@@ -181,6 +184,10 @@ class Pool:
 
     def _stop(self, number, frame):
         self.interrupted = True
+        self._terminate()
+
+    def _terminate(self):
+        """Asks all runs to end; they write restart files first."""
         for job in self.running:
             try:
                 os.killpg(job.process.pid, signal.SIGTERM)
