@@ -1,5 +1,6 @@
 """What a run answers: its curves, and numbers taken from them, from its points, or from its summary."""
 import csv
+import functools
 import hashlib
 import importlib.util
 import json
@@ -173,8 +174,7 @@ def _answer(study, name, run, names, curves, answers):
         elif "points" in answer and run.summary and not run.is_finished:
             value = None  # the last table of a run that failed shows another time
         elif "points" in answer:
-            columns = {_plain(key): run.points(key) for key in run.point_columns()}
-            value = evaluate(answer["points"], known | columns, f"{where}.points")
+            value = evaluate(answer["points"], known | _table("points", run), f"{where}.points")
         elif "relative" in answer:
             value = None  # results.add_relatives knows the other run
         elif "expression" in answer:
@@ -203,13 +203,18 @@ def _of_summary(summary, path):
 def function_of(study, text, where):
     """A function from a Python file beside the study."""
     file, _, name = text.partition(":")
-    path = study.folder / file
-    spec = importlib.util.spec_from_file_location(f"study_{path.stem}", path)
-    if str(study.folder) not in sys.path:
-        sys.path.insert(0, str(study.folder))  # for what the file imports from its neighbours
     try:
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-        return getattr(module, name)
+        return getattr(_module(study.folder / file), name)
     except (OSError, AttributeError) as error:
         raise StudyError(f"{where}.function: {text}: {error}") from error
+
+
+@functools.lru_cache(maxsize=None)
+def _module(path):
+    """A Python file as a module, loaded once, so that what it keeps serves all answers of a run."""
+    spec = importlib.util.spec_from_file_location(f"study_{path.stem}", path)
+    if str(path.parent) not in sys.path:
+        sys.path.insert(0, str(path.parent))  # for what the file imports from its neighbours
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

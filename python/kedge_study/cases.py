@@ -99,8 +99,9 @@ def make_case(study, values, program):
     ranks = int(evaluate(study.ranks, names, f"{where}: ranks"))
     chosen = resolve(study.program, names, f"{where}: program") if study.program else ""
     chosen = study.folder / chosen if chosen else pathlib.Path(program)
-    content = {"scene": _without_comments(content_of(scene)), "settings": settings, "surfaces": surfaces,
-               "words": words, "ranks": ranks, "files": _hashes_of_surfaces(scene)}
+    read = content_of(scene)
+    content = {"scene": _without_comments(read), "settings": settings, "surfaces": surfaces,
+               "words": words, "ranks": ranks, "files": _hashes_of_surfaces(scene, read)}
     key = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
     return Case(values, names, scene, settings, surfaces, words, ranks, chosen, _name(study, values), key)
 
@@ -126,10 +127,10 @@ def _without_comments(value):
     return [_without_comments(entry) for entry in value] if isinstance(value, list) else value
 
 
-def _hashes_of_surfaces(scene):
-    """Hashes of the files of surfaces that a scene names, in their order."""
+def _hashes_of_surfaces(scene, content):
+    """Hashes of the files of surfaces that a scene names, in their order. scene: its path."""
     result = []
-    for system in content_of(scene).get("rigid bodies", []):
+    for system in content.get("rigid bodies", []):
         for entry in system.get("stl files", []):
             path = scene.parent / entry.get("stl", "")
             result.append(hashlib.sha256(path.read_bytes()).hexdigest()[:12] if path.is_file() else "")
@@ -144,17 +145,18 @@ def _name(study, values):
 
 def label(study, case, cases):
     """What distinguishes a case from the others of its part, for legends."""
+    return described(study, case, varied(study, cases)) or study.title
+
+
+def described(study, case, names, with_units=True):
+    """The values of some parameters as text; a value that has a name of its own stands alone."""
     parts = []
-    for name in study.parameters:
-        if len({json.dumps(other.values[name]) for other in cases}) > 1:
-            known = study.parameters[name]
-            text = study.text(name, case.values[name])
-            if "names" in known and text in known["names"].values():
-                parts.append(text)
-            else:
-                head, _, unit = study.label(name).partition(" / ")
-                parts.append(f"{head} {text}" + (f" {unit}" if unit else ""))
-    return ", ".join(parts) or study.title
+    for name in names:
+        text = study.text(name, case.values[name])
+        head, unit = study.head_and_unit(name)
+        is_named = text in study.parameters[name].get("names", {}).values()
+        parts.append(text if is_named else f"{head} {text} {unit if with_units else ''}".strip())
+    return ", ".join(parts)
 
 
 def varied(study, cases):

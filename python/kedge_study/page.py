@@ -2,6 +2,7 @@
 import base64
 import html
 import textwrap
+from dataclasses import dataclass
 
 from . import convergence as orders
 from . import pictures
@@ -25,21 +26,43 @@ def write(study, parts, results, folder, work):
             path = folder / f"{study.name}-{name.replace(' ', '-')}"
             charts = [("", path)] if draw(study, study.parts[name], of_part, path) else []
             charts += pictures.draw(study, name, of_part, folder, work)
-            sections.append((name, of_part, len(cases), charts))
+            sections.append(_section(study, name, of_part, len(cases), charts))
     (folder / f"{study.name}.md").write_text(_markdown(study, sections, results), encoding="utf-8")
     page = folder / f"{study.name}.html"
     page.write_text(_html(study, sections, results), encoding="utf-8")
     return page
 
 
+@dataclass
+class Section:
+    """What both pages say of a part. charts: pairs of caption and path without ending; lines: below the table."""
+    title: str
+    text: str
+    charts: list
+    head: list
+    rows: list
+    results: list
+    lines: list
+
+
+def _section(study, name, results, n_cases, charts):
+    part = study.parts[name]
+    title = part.get("title", name)
+    lines = convergence_lines(study, part, results) + failures(results)
+    if n_cases > len(results):
+        lines.append(f"{n_cases - len(results)} of {n_cases} runs are missing.")
+    return Section(title, part.get("text", ""), charts, *table(study, part, results), results, lines)
+
+
 def table(study, part, results):
     """Head and rows of the table of a part."""
     names = varied(study, [result.case for result in results])
     asked = part.get("columns") or list(study.answers)
-    with_error = [name for name in asked if any(result.error(name) is not None for result in results)]
+    with_error = [name for name in asked if any(result.error(name) is not None for result in results)
+                  and not _is_zero(results, name)]
     head = [study.label(name) for name in names] or ["run"]
     for name in asked:
-        head += [study.label(name)] + (["error / %"] if name in with_error and not _is_zero(results, name) else [])
+        head += [study.label(name)] + (["error / %"] if name in with_error else [])
     counts = {} if study.command else {"steps": "steps", "cuts": "cuts", "Newton": "newton iterations",
                                        "points": "material points"}
     head += ["ended", "CPU time / s", "memory / MB", *counts]
@@ -48,7 +71,7 @@ def table(study, part, results):
         row = [study.text(name, result.case.values[name]) for name in names] or ["default"]
         for name in asked:
             row.append(_number(result.answers.get(name), study.scale(name)))
-            if name in with_error and not _is_zero(results, name):
+            if name in with_error:
                 error = result.error(name)
                 row.append("-" if error is None else f"{100. * error:+.{2 if abs(error) < 0.1 else 3}g}")
         end = "" if result.reached is None else f" at {result.reached:.3g}"
@@ -86,7 +109,7 @@ def convergence_lines(study, part, results):
             if known and known[0][1] and (order := orders.order_of_errors(sizes, values / known[0][1] - 1.)):
                 text.append(f"order of the error {order:.2f}")
             names = [name for name in varied(study, [r.case for r in of_chart]) if name != chart["over"]]
-            which = ", ".join(f"{study.label(name).partition(' / ')[0]} {study.text(name, group[0].case.values[name])}"
+            which = ", ".join(f"{study.head_and_unit(name)[0]} {study.text(name, group[0].case.values[name])}"
                               for name in names)
             if text:
                 lines.append(f"{study.label(answer)} over {study.label(chart['over'])}"
@@ -116,19 +139,15 @@ def _markdown(study, sections, results):
     text = f"# {study.title}\n\n{_wrapped(study.question)}\n"
     if study.source:
         text += f"\n{_wrapped(f'Reference: {study.source}')}\n"
-    for name, of_part, n, charts in sections:
-        part = study.parts[name]
-        head, rows = table(study, part, of_part)
-        text += f"\n## {part.get('title', name)}\n\n"
-        text += _wrapped(part["text"]) + "\n\n" if "text" in part else ""
-        for caption, chart in charts:
-            caption = caption or part.get("title", name)
-            text += _wrapped(f"![{caption}]({chart.name}.png)") + "\n\n"
-        text += "\n".join("| " + " | ".join(line) + " |" for line in [head, ["---"] * len(head), *rows]) + "\n"
-        lines = convergence_lines(study, part, of_part) + failures(of_part)
-        if n > len(of_part):
-            lines.append(f"{n - len(of_part)} of {n} runs are missing.")
-        text += ("\n" + "\n".join(_wrapped(f"- {line}", "  ") for line in lines) + "\n") if lines else ""
+    for section in sections:
+        text += f"\n## {section.title}\n\n"
+        text += _wrapped(section.text) + "\n\n" if section.text else ""
+        for caption, chart in section.charts:
+            text += _wrapped(f"![{caption or section.title}]({chart.name}.png)") + "\n\n"
+        lines = [section.head, ["---"] * len(section.head), *section.rows]
+        text += "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+        if section.lines:
+            text += "\n" + "\n".join(_wrapped(f"- {line}", "  ") for line in section.lines) + "\n"
     return text + f"\n{_wrapped(provenance(results))}\n"
 
 
@@ -153,19 +172,17 @@ def _html(study, sections, results):
     body = f"<h1>{html.escape(study.title)}</h1><p>{html.escape(study.question)}</p>"
     if study.source:
         body += f"<p>Reference: {html.escape(study.source)}</p>"
-    for name, of_part, n, charts in sections:
-        part = study.parts[name]
-        head, rows = table(study, part, of_part)
-        body += f"<h2>{html.escape(part.get('title', name))}</h2><p>{html.escape(part.get('text', ''))}</p>"
-        for caption, chart in charts:
-            body += f"<p>{_picture(chart, caption or name)}<br>{html.escape(caption)}</p>"
-        body += "<table><tr>" + "".join(cell(text, "th") for text in head) + "</tr>"
-        for result, row in zip(of_part, rows):
+    for section in sections:
+        body += f"<h2>{html.escape(section.title)}</h2><p>{html.escape(section.text)}</p>"
+        for caption, chart in section.charts:
+            body += f"<p>{_picture(chart, caption or section.title)}<br>{html.escape(caption)}</p>"
+        body += "<table><tr>" + "".join(cell(text, "th") for text in section.head) + "</tr>"
+        for result, row in zip(section.results, section.rows):
             body += (f"<tr{'' if result.is_finished else ' class=failed'}>" + "".join(cell(text, "td") for text in row)
                      + "</tr>")
         body += "</table>"
-        lines = convergence_lines(study, part, of_part) + failures(of_part)
-        body += "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in lines) + "</ul>" if lines else ""
+        if section.lines:
+            body += "<ul>" + "".join(f"<li>{html.escape(line)}</li>" for line in section.lines) + "</ul>"
     runs = "".join(f"<tr>{cell(result.case.name, 'td')}{cell(result.provenance['commit'], 'td')}"
                    f"{cell(result.provenance['input'], 'td')}{cell(str(result.provenance['ranks']), 'td')}"
                    f"{cell(result.provenance['machine'], 'td')}{cell(f'{result.cpu:.4g}', 'td')}</tr>"

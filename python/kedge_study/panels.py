@@ -3,7 +3,7 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from . import convergence as orders
-from .cases import label, varied
+from .cases import described, label, varied
 from .expressions import evaluate
 
 MOST_INSIDE = 8  # entries of a legend inside the axes
@@ -239,7 +239,7 @@ def label_of_change(study, base, other):
     parts = []
     for name, value in other.values.items():
         if value != base.values[name]:
-            head, _, unit = study.label(name).partition(" / ")
+            head, unit = study.head_and_unit(name)
             parts.append(f"{head} {study.text(name, value)} {unit}".strip())
     return ", ".join(parts)
 
@@ -261,17 +261,13 @@ def points_of(group, over_, answer):
 
 
 def _label_without(study, case, cases, name):
+    """What distinguishes a series along one parameter from the others."""
     others = [other for other in varied(study, cases) if other != name]
-    parts = []
-    for other in others:
-        text = study.text(other, case.values[other])
-        is_named = text in study.parameters[other].get("names", {}).values()
-        parts.append(text if is_named else f"{_head(study, other)} {text}")
-    return ", ".join(parts) or "computed"
+    return described(study, case, others, with_units=False) or "computed"
 
 
 def _head(study, name):
-    return study.label(name).partition(" / ")[0]
+    return study.head_and_unit(name)[0]
 
 
 def _plain_ticks(axes):

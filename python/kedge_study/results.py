@@ -9,7 +9,7 @@ from .expressions import evaluate
 from .study import RELATIVE_COSTS
 
 PROVENANCE = ("commit", "input", "ranks", "machine", "date")
-NUMBERS = {"CPU time / s": "cpu", "wall time / s": "wall", "memory / MB": "memory"}
+NUMBERS = ("CPU time / s", "wall time / s", "memory / MB")
 N_KEPT = 120  # points of a curve in the kept table
 
 
@@ -148,8 +148,7 @@ def _reference(name, reference, result, results, where):
         key = values[reference["by"]]
         return reference["table"].get(format(key, "g") if isinstance(key, (int, float)) else str(key))
     if "run" in reference:
-        wanted = values | reference["run"]
-        other = next((other for other in results.values() if other.case.values == wanted), None)
+        other = _with_values(results, values | reference["run"])
         return other.answers.get(name) if other and other is not result else None
     refined = reference["finest"]
     others = {key: value for key, value in values.items() if key != refined}
@@ -157,6 +156,11 @@ def _reference(name, reference, result, results, where):
              and {key: value for key, value in other.case.values.items() if key != refined} == others]
     finest = min(alike, key=lambda other: other.case.values[refined], default=None)
     return finest.answers[name] if finest and finest is not result else None
+
+
+def _with_values(results, values):
+    """The result of the run with these values of the parameters; None without."""
+    return next((result for result in results.values() if result.case.values == values), None)
 
 
 def add_relatives(study, results):
@@ -170,8 +174,7 @@ def add_relatives(study, results):
             return getattr(result, field_name) if field_name else result.answers.get(wanted)
 
         for result in results.values():
-            values = result.case.values | answer["run"]
-            other = next((other for other in results.values() if other.case.values == values), None)
+            other = _with_values(results, result.case.values | answer["run"])
             below = of(other) if other else None
             result.answers[name] = of(result) / below if below and of(result) is not None else None
 

@@ -55,6 +55,11 @@ class Study:
         known = self.parameters.get(name) or self.answers.get(name) or {}
         return known.get("label", name)
 
+    def head_and_unit(self, name):
+        """The two parts of a label; an empty unit where it has none."""
+        head, _, unit = self.label(name).partition(" / ")
+        return head, unit
+
     def scale(self, name):
         """Factor from SI to the unit of a label."""
         known = self.parameters.get(name) or self.answers.get(name) or {}
@@ -83,7 +88,7 @@ def load(path, quick=False):
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     problems = sorted(jsonschema.Draft7Validator(schema).iter_errors(content), key=lambda error: list(error.path))
     if problems:
-        raise StudyError(f"{path}: {_message(problems[0], schema)}")
+        raise StudyError(f"{path}: {_message(problems[0])}")
     if quick:
         content = _smallest(content)
     known = {key.replace(" ", "_"): value for key, value in content.items() if key not in ("$schema", "comment")}
@@ -105,7 +110,7 @@ def _smallest(content):
     return content | {"expect": quick.get("expect", {}), "may fail": quick.get("may fail", False)}
 
 
-def _message(error, schema):
+def _message(error):
     """What is wrong, where, and the nearest key."""
     while error.context:
         error = max(error.context, key=lambda inner: len(inner.path))
