@@ -53,9 +53,12 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
             path.inverse_deformation(p, 3 * r + c) = (r < dim && c < dim ? shrink : 1.) * to_start(r, c);
         set_row(path.left_cauchy_green, p, b);
         set_trial(particles, p, update, particles.trial_plastic(p) + update.plastic_increment);
-        add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
+        if (factor.extent(0) == 0)
+          add_internal_force<dim>(particles, stencils, p, update.stress, to_start, force);
       },
       n_inverted);
+  if (factor.extent(0) > 0)
+    add_force_of_shared_pressure<dim>(particles, stencils, cells, increment, force);
   return n_inverted;
 }
 
@@ -92,7 +95,7 @@ double largest_squared_frequency(const ParticleArrays& particles, const StencilS
         for (unsigned int i = 0; i < dim; ++i)
           row_sum = std::fmax(row_sum, std::fabs(G[i][0]) + std::fabs(G[i][1]) + std::fabs(G[i][2]));
         const double stiffness = std::fmax(3. * elasticity.bulk(), 2. * elasticity.shear);
-        const double rate = particles.initial_volume(p) * stiffness / particles.mass(p) * row_sum;
+        const double rate = integration_volume(particles, stencils, p) * stiffness / particles.mass(p) * row_sum;
         most = std::fmax(most, rate);
       },
       Kokkos::Max<double>(largest));

@@ -26,9 +26,12 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
           return;
         }
         set_trial(particles, p, update, update.plastic_increment);
-        add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
+        if (factor.extent(0) == 0)
+          add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
       },
       n_inverted);
+  if (factor.extent(0) > 0 && n_inverted == 0)
+    add_force_of_shared_pressure<dim>(particles, stencils, cells, increment, force);
   return n_inverted;
 }
 

@@ -35,7 +35,8 @@ template <int dim> struct TangentKernel
   View<double*> values;
   unsigned int chunk;
   View<double*> volume_factor;
-  View<double* [9]> moduli; ///< for the dilation of the cell; empty without F-bar, like the factors
+  View<double*> pressure_shift;
+  DilationModuli moduli; ///< empty without F-bar, like factors and shifts
   double elastic_share;
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
@@ -55,8 +56,8 @@ template <int dim> struct TangentKernel
                                               {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
                                               materials(particles.layer(p)), next_state, tangent, elastic_share);
     if (volume_factor.extent(0) > 0)
-      take_out_dilation(p, update.stress, tangent);
-    const double volume = particles.initial_volume(p);
+      share_dilation(p, update.stress, tangent);
+    const double volume = integration_volume(particles, stencils, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
     for (unsigned int row = 0; row < rows; ++row)
@@ -84,22 +85,48 @@ template <int dim> struct TangentKernel
     }
   }
 
-  /// With F-bar the stress follows the dilation of the cell instead of the particle's own, whose part is subtracted:
-  /// q_ij = (sum_m c_ijmm) / dim. Here c are the moduli of the stress alone, a_ijkl + tau_il delta_jk.
-  KEDGE_FUNCTION void take_out_dilation(const unsigned int p, const SymmetricTensor& stress,
-                                        SpatialTangent& tangent) const
+  /// With F-bar the stress follows the dilation of the cell instead of the particle's own, and the force its mean
+  /// pressure. With the moduli of the stress alone, c_ijkl = a_ijkl + tau_il delta_jk, the particle's part is
+  ///   a_ijkl - q_ij delta_kl - delta_ij m_kl + (p + s) delta_ij delta_kl - s delta_il delta_jk,
+  /// q_ij = sum_m c_ijmm / dim, t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and s its
+  /// shift. The rest belongs to the cell.
+  KEDGE_FUNCTION void share_dilation(const unsigned int p, const SymmetricTensor& stress,
+                                     SpatialTangent& tangent) const
   {
     const Eigen::Matrix3d tau = full_matrix(stress);
+    double q[dim][dim], m[dim][dim], t = 0., mean = 0.;
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
       {
-        double q = tau(i, j) / dim;
-        for (int m = 0; m < dim; ++m)
-          q += tangent(i, j, m, m) / dim;
-        moduli(p, 3 * i + j) = q;
-        for (int m = 0; m < dim; ++m)
-          tangent(i, j, m, m) -= q;
+        q[i][j] = m[i][j] = tau(i, j) / dim;
+        for (int k = 0; k < dim; ++k)
+        {
+          q[i][j] += tangent(i, j, k, k) / dim;
+          m[i][j] += tangent(k, k, i, j) / dim;
+        }
       }
+    for (int i = 0; i < dim; ++i)
+    {
+      t += q[i][i] / dim;
+      mean += tau(i, i) / dim;
+    }
+    for (int i = 0; i < dim; ++i)
+      m[i][i] -= t;
+    const double shift = pressure_shift(p);
+    for (int i = 0; i < dim; ++i)
+      for (int j = 0; j < dim; ++j)
+      {
+        for (int k = 0; k < dim; ++k)
+        {
+          tangent(i, j, k, k) -= q[i][j];
+          tangent(k, k, i, j) -= m[i][j];
+        }
+        tangent(i, i, j, j) += mean + shift;
+        tangent(i, j, j, i) -= shift;
+        moduli.stress(p, 3 * i + j) = q[i][j] - (i == j ? t : 0.);
+        moduli.pressure(p, 3 * i + j) = m[i][j];
+      }
+    moduli.bulk(p) = t;
   }
 
   KEDGE_FUNCTION void operator()(const Member& team) const
@@ -194,12 +221,21 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
   const std::size_t per_particle = sizeof(double) * (dim * dim * width + gradients);
   const unsigned int chunk =
       std::max<std::size_t>(1, std::min<std::size_t>(16, cache_bytes / std::max<std::size_t>(1, per_particle)));
-  const View<double* [9]> moduli("moduli of dilation", cells.empty() ? 0 : particles.n);
-  const TangentKernel<dim> kernel{
-      particles, stencils,        materials,
-      increment, graph.row_begin, graph.column,
-      values,    chunk,           find_volume_factors<dim>(particles, stencils, cells, increment),
-      moduli,    elastic_share};
+  const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
+  const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
+                              View<double* [9]>("pressure moduli", n_sharing), View<double*>("bulk", n_sharing)};
+  const TangentKernel<dim> kernel{particles,
+                                  stencils,
+                                  materials,
+                                  increment,
+                                  graph.row_begin,
+                                  graph.column,
+                                  values,
+                                  chunk,
+                                  find_volume_factors<dim>(particles, stencils, cells, increment),
+                                  find_pressure_shifts<dim>(particles, stencils, cells, increment),
+                                  moduli,
+                                  elastic_share};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),

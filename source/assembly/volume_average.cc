@@ -9,30 +9,52 @@ namespace
 using Policy = Kokkos::TeamPolicy<ExecutionSpace>;
 using Member = Policy::member_type;
 
+/// Share of the difference from the cell's mean stress that a step takes away from soil that flows, and the plastic
+/// strain in a step from which on soil flows. Soil at rest keeps the gradient of its pressure.
+constexpr double relaxed_share = 0.5, flow = 1e-3;
+
+
+/// Mean of the dim normal components of a particle's Kirchhoff stress, Pa.
+template <int dim> KEDGE_FUNCTION double mean_stress(const ParticleArrays& particles, const unsigned int p)
+{
+  double sum = 0.;
+  for (int i = 0; i < dim; ++i)
+    sum += particles.trial_stress(p, i);
+  return sum / dim;
+}
+
 template <int dim> struct MeanDilationKernel
 {
   ParticleArrays particles;
   StencilSet stencils;
   CellGroups cells;
   NodalVector increment;
-  View<double* [9]> moduli;
+  DilationModuli moduli;
   View<std::size_t*> row_begin;
   View<unsigned int*> column;
   View<double*> values;
-  View<double*> force;  ///< change of the nodal force with the dilation of the cell; laid out as cells.nodes
-  View<double*> volume; ///< change of the cell's volume with the node; laid out as cells.nodes
+  // by node of a cell and component, laid out as cells.nodes: changes with the displacement of the node of
+  View<double*> force;    ///< the nodal force with the dilation of the cell
+  View<double*> volume;   ///< the cell's volume
+  View<double*> pressure; ///< the cell's mean stress times volume at held dilation of the cell
 
   KEDGE_FUNCTION void operator()(const Member& team) const
   {
     const unsigned int c = team.league_rank();
     const unsigned int first = cells.node_begin(c), n = cells.node_begin(c + 1) - first;
-    double total = 0.;
+    double total = 0., stiffness = 0.;
+    const auto members = Kokkos::TeamThreadRange(team, cells.particle_begin(c), cells.particle_begin(c + 1));
     Kokkos::parallel_reduce(
-        Kokkos::TeamThreadRange(team, cells.particle_begin(c), cells.particle_begin(c + 1)),
-        [&](const unsigned int p, double& sum) { sum += gather(p, first); }, total);
+        members, [&](const unsigned int p, double& sum) { sum += gather(p, first); }, total);
+    Kokkos::parallel_reduce(
+        members,
+        [&](const unsigned int p, double& sum) {
+          sum += integration_volume(particles, stencils, p) * (moduli.bulk(p) - mean_stress<dim>(particles, p));
+        },
+        stiffness);
     team.team_barrier();
     Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n),
-                         [&](const unsigned int a) { scatter(first, n, first + a, 1. / total); });
+                         [&](const unsigned int a) { scatter(first, n, first + a, 1. / total, stiffness / total); });
   }
 
   /// Adds a particle's part to the sums of its cell, whose nodes begin at `first`; returns its volume.
@@ -40,7 +62,7 @@ template <int dim> struct MeanDilationKernel
   {
     const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
-    const double initial = particles.initial_volume(p), end = initial * determinant(dF);
+    const double initial = integration_volume(particles, stencils, p), end = initial * determinant(dF);
     const ParticleNodes nodes = nodes_of(stencils, p);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
     for (unsigned int v = 0, at = first; v < nodes.n; ++v, ++at)
@@ -53,10 +75,14 @@ template <int dim> struct MeanDilationKernel
           h[j] += to_spatial(m, j) * gradient[dim * v + m];
       for (int i = 0; i < dim; ++i)
       {
-        double change = 0.;
+        double change = 0., reply = 0.;
         for (int j = 0; j < dim; ++j)
-          change += moduli(p, 3 * i + j) * h[j];
+        {
+          change += moduli.stress(p, 3 * i + j) * h[j];
+          reply += moduli.pressure(p, 3 * i + j) * h[j];
+        }
         add_to(force(std::size_t(dim) * at + i), initial * change);
+        add_to(pressure(std::size_t(dim) * at + i), initial * reply);
         add_to(volume(std::size_t(dim) * at + i), end * h[i]);
       }
     }
@@ -64,14 +90,17 @@ template <int dim> struct MeanDilationKernel
   }
 
   KEDGE_FUNCTION void scatter(const unsigned int first, const unsigned int n, const unsigned int a,
-                              const double factor) const
+                              const double per_volume, const double stiffness) const
   {
     const unsigned int row = cells.nodes(a);
     const std::size_t begin = row_begin(row), row_stride = dim * (row_begin(row + 1) - begin);
     double* target = &values(std::size_t(dim) * dim * begin);
-    double scaled[dim];
+    double of_volume[dim], of_pressure[dim];
     for (int i = 0; i < dim; ++i)
-      scaled[i] = factor * force(std::size_t(dim) * a + i);
+    {
+      of_pressure[i] = per_volume * volume(std::size_t(dim) * a + i);
+      of_volume[i] = per_volume * force(std::size_t(dim) * a + i) + stiffness * of_pressure[i];
+    }
     std::size_t at = begin;
     for (unsigned int b = first; b < first + n; ++b, ++at)
     {
@@ -80,7 +109,10 @@ template <int dim> struct MeanDilationKernel
       double* to = target + dim * (at - begin);
       for (int i = 0; i < dim; ++i, to += row_stride)
         for (int k = 0; k < dim; ++k)
-          add_to(to[k], scaled[i] * volume(std::size_t(dim) * b + k));
+        {
+          const std::size_t dof = std::size_t(dim) * b + k;
+          add_to(to[k], of_volume[i] * volume(dof) + of_pressure[i] * pressure(dof));
+        }
     }
   }
 };
@@ -102,8 +134,8 @@ View<double*> find_volume_factors(const ParticleArrays& particles, const Stencil
           factor(p) = J;
           if (J > 0.)
           {
-            before += particles.initial_volume(p);
-            after += particles.initial_volume(p) * J;
+            before += integration_volume(particles, stencils, p);
+            after += integration_volume(particles, stencils, p) * J;
           }
         }
         for (unsigned int p = begin; p < end; ++p)
@@ -113,8 +145,78 @@ View<double*> find_volume_factors(const ParticleArrays& particles, const Stencil
 }
 
 template <int dim>
+View<double*> find_pressure_shifts(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                                   const NodalVector& increment)
+{
+  const View<double*> shift("pressure shifts", cells.empty() ? 0 : stencils.n_particles);
+  Kokkos::parallel_for(
+      "pressure shifts", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
+        const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
+        double stress = 0., volume = 0.;
+        for (unsigned int p = begin; p < end; ++p)
+        {
+          const double J = determinant(deformation_increment<dim>(stencils, increment, p));
+          shift(p) = J;
+          if (J > 0.)
+          {
+            stress += integration_volume(particles, stencils, p) * mean_stress<dim>(particles, p);
+            volume += integration_volume(particles, stencils, p) * J;
+          }
+        }
+        for (unsigned int p = begin; p < end; ++p)
+          shift(p) = shift(p) > 0. ? shift(p) * stress / volume - mean_stress<dim>(particles, p) : 0.;
+      });
+  return shift;
+}
+
+template <int dim>
+void add_force_of_shared_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                                  const NodalVector& increment, const NodalVector& force)
+{
+  const View<double*> shift = find_pressure_shifts<dim>(particles, stencils, cells, increment);
+  Kokkos::parallel_for(
+      "force of shared pressure", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+      KOKKOS_LAMBDA(const unsigned int i) {
+        const unsigned int p = stencils.pattern_particles(i);
+        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+        SymmetricTensor stress = row_of(particles.trial_stress, p);
+        for (int d = 0; d < dim; ++d)
+          stress[d] += shift(p);
+        if (determinant(dF) > 0.)
+          add_internal_force<dim>(particles, stencils, p, stress, inverse(dF), force);
+      });
+}
+
+void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                    const Materials& materials)
+{
+  Kokkos::parallel_for(
+      "relax pressure", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
+        const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
+        double sum = 0., volume = 0., plastic = 0.;
+        for (unsigned int p = begin; p < end; ++p)
+        {
+          sum += integration_volume(particles, stencils, p) * mean_stress<3>(particles, p);
+          plastic += integration_volume(particles, stencils, p) * particles.trial_plastic(p);
+          volume += integration_volume(particles, stencils, p);
+        }
+        const double share = relaxed_share * std::fmin(1., plastic / (flow * volume));
+        for (unsigned int p = begin; p < end; ++p)
+        {
+          const double change = share * (sum / volume - mean_stress<3>(particles, p));
+          const double bulk = materials(particles.layer(p)).elasticity(particles.young(p)).bulk();
+          for (int i = 0; i < 3; ++i)
+          {
+            particles.trial_stress(p, i) += change;
+            particles.trial_strain(p, i) += change / (3. * bulk);
+          }
+        }
+      });
+}
+
+template <int dim>
 void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                       const NodalVector& increment, const View<double* [9]>& moduli, const NodeGraph& graph,
+                       const NodalVector& increment, const DilationModuli& moduli, const NodeGraph& graph,
                        const View<double*>& values)
 {
   const std::size_t n = dim * cells.nodes.extent(0);
@@ -127,15 +229,20 @@ void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stenci
                                        graph.column,
                                        values,
                                        View<double*>("force", n),
-                                       View<double*>("volume", n)};
+                                       View<double*>("volume", n),
+                                       View<double*>("pressure", n)};
   Kokkos::parallel_for("mean dilation", Policy(cells.n_cells(), Kokkos::AUTO), kernel);
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template View<double*> find_volume_factors<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,         \
                                                   const NodalVector&);                                                 \
+  template View<double*> find_pressure_shifts<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,        \
+                                                   const NodalVector&);                                                \
+  template void add_force_of_shared_pressure<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,         \
+                                                  const NodalVector&, const NodalVector&);                             \
   template void add_mean_dilation<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                    \
-                                       const NodalVector&, const View<double* [9]>&, const NodeGraph&,                 \
+                                       const NodalVector&, const DilationModuli&, const NodeGraph&,                         \
                                        const View<double*>&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)

@@ -14,36 +14,52 @@ constexpr double smallest_overlap = 1e-11;
 // Averaging needs a volume, also in the standard MPM: a box this small, relative to the particle's, stands for its
 // centre.
 constexpr double point_box = 1e-6;
-} // namespace
 
+
+/// Where a leaf's shape functions are taken, and with which weight.
+template <int dim> struct Sample
+{
+  std::array<double, dim> x; ///< m
+  double weight;
+};
+
+/// Values from one sample and gradients from another. `twist` (1/m) is added to the gradients along each axis with the
+/// sign of the product of the vertex's natural coordinates.
 template <int dim>
-void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number, const std::array<double, dim>& x,
-                    const double weight, std::vector<NodeShare<dim>>& shares)
+void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number, const Sample<dim>& of_value,
+                    const Sample<dim>& of_gradient, const std::array<double, dim>& twist,
+                    std::vector<NodeShare<dim>>& shares)
 {
   // Linear functions along each axis, then their products at the vertices.
   constexpr unsigned int n_vertices = LeafTable<dim>::n_vertices;
   const auto& leaf = table.leaves[leaf_number];
   const double inverse_size = 1. / leaf.size;
-  double one_d[dim][2];
+  double for_value[dim][2], for_gradient[dim][2];
   for (unsigned int d = 0; d < dim; ++d)
   {
-    one_d[d][1] = (x[d] - leaf.lower[d]) * inverse_size;
-    one_d[d][0] = 1. - one_d[d][1];
+    for_value[d][1] = (of_value.x[d] - leaf.lower[d]) * inverse_size;
+    for_value[d][0] = 1. - for_value[d][1];
+    for_gradient[d][1] = (of_gradient.x[d] - leaf.lower[d]) * inverse_size;
+    for_gradient[d][0] = 1. - for_gradient[d][1];
   }
 
   double vertex_value[n_vertices], vertex_gradient[n_vertices][dim];
   for (unsigned int v = 0; v < n_vertices; ++v)
   {
-    vertex_value[v] = weight;
+    vertex_value[v] = of_value.weight;
+    double sign = 1.;
     for (unsigned int d = 0; d < dim; ++d)
-      vertex_value[v] *= one_d[d][(v >> d) & 1u];
+    {
+      vertex_value[v] *= for_value[d][(v >> d) & 1u];
+      sign *= (v >> d) & 1u ? 1. : -1.;
+    }
     for (unsigned int g = 0; g < dim; ++g)
     {
-      double value = weight * ((v >> g) & 1u ? inverse_size : -inverse_size);
+      double value = (v >> g) & 1u ? inverse_size : -inverse_size;
       for (unsigned int d = 0; d < dim; ++d)
         if (d != g)
-          value *= one_d[d][(v >> d) & 1u];
-      vertex_gradient[v][g] = value;
+          value *= for_gradient[d][(v >> d) & 1u];
+      vertex_gradient[v][g] = of_gradient.weight * (value + sign * twist[g]);
     }
   }
 
@@ -67,6 +83,14 @@ void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number,
         if (const double factor = table.weights[leaf.weight_begin + v * leaf.n_nodes + n]; factor != 0.)
           add(node, factor, vertex_value[v], vertex_gradient[v]);
   }
+}
+} // namespace
+
+template <int dim>
+void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf, const std::array<double, dim>& x,
+                    const double weight, std::vector<NodeShare<dim>>& shares)
+{
+  add_leaf_shape<dim>(table, leaf, {x, weight}, {x, weight}, {}, shares);
 }
 
 template <int dim> BoxAverage<dim>::BoxAverage(const LeafTable<dim>& table_) : table(table_) {}
@@ -104,24 +128,47 @@ const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<doub
   return overlaps;
 }
 
-template <int dim> const std::vector<NodeShare<dim>>& BoxAverage<dim>::average()
+template <int dim> std::array<double, dim> BoxAverage<dim>::middle_of(const Overlap& overlap) const
+{
+  const auto& leaf = table.leaves[overlap.leaf];
+  std::array<double, dim> middle;
+  for (unsigned int d = 0; d < dim; ++d)
+    middle[d] = 0.5 * (std::min(upper[d], leaf.lower[d] + leaf.size) + std::max(lower[d], leaf.lower[d]));
+  return middle;
+}
+
+template <int dim>
+const std::vector<NodeShare<dim>>& BoxAverage<dim>::average(const std::vector<CellCorrection<dim>>& corrections)
 {
   shares.clear();
+  factor = 1.;
+  if (corrections.empty())
+  {
+    for (const Overlap& overlap : overlaps)
+      add_leaf_shape<dim>(table, overlap.leaf, middle_of(overlap), overlap.fraction, shares);
+    return shares;
+  }
+  factor = 0.;
   for (const Overlap& overlap : overlaps)
   {
-    const auto& leaf = table.leaves[overlap.leaf];
-    std::array<double, dim> middle;
-    for (unsigned int d = 0; d < dim; ++d)
-      middle[d] = 0.5 * (std::min(upper[d], leaf.lower[d] + leaf.size) + std::max(lower[d], leaf.lower[d]));
-    add_leaf_shape<dim>(table, overlap.leaf, middle, overlap.fraction, shares);
+    const CellCorrection<dim>& correction = corrections[overlap.leaf];
+    const std::array<double, dim> middle = middle_of(overlap);
+    const double weight = overlap.fraction * correction.scale;
+    add_leaf_shape<dim>(table, overlap.leaf, {middle, overlap.fraction},
+                        {correction.corrected(middle), weight}, correction.twist, shares);
+    factor += weight;
   }
+  for (NodeShare<dim>& share : shares)
+    for (double& component : share.gradient)
+      component /= factor;
   return shares;
 }
 
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
-                            const std::vector<unsigned int>& leaf_of_particle, const bool point_basis)
+                            const std::vector<unsigned int>& leaf_of_particle, const bool point_basis,
+                            const std::vector<CellCorrection<dim>>& corrections)
 {
   const std::size_t n = centre.size();
   HostStencils stencils;
@@ -149,7 +196,8 @@ HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::
     if (overlaps.empty())
       throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]) +
                         " m; a larger domain or smaller steps help");
-    const std::vector<NodeShare<dim>>& shares = box.average();
+    const std::vector<NodeShare<dim>>& shares = box.average(corrections);
+    stencils.volume_factor.push_back(box.volume_factor());
 
     // Boxes that overlap the same leaves have the same nodes: find their pattern, or add it.
     std::size_t k = 0;
@@ -236,6 +284,7 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   set.value_begin = upload(host.value_begin, "value begin");
   set.value = upload(host.value, "S");
   set.gradient = upload(host.gradient, "grad S");
+  set.volume_factor = upload(host.volume_factor, "volume factor");
   return set;
 }
 
@@ -247,10 +296,10 @@ template class BoxAverage<2>;
 template class BoxAverage<3>;
 template HostStencils build_stencils<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
                                         const std::vector<std::array<double, 2>>&, const std::vector<unsigned int>&,
-                                        bool);
+                                        bool, const std::vector<CellCorrection<2>>&);
 template HostStencils build_stencils<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
                                         const std::vector<std::array<double, 3>>&, const std::vector<unsigned int>&,
-                                        bool);
+                                        bool, const std::vector<CellCorrection<3>>&);
 template StencilSet upload_stencils<2>(HostStencils&&, const std::vector<unsigned int>&);
 template StencilSet upload_stencils<3>(HostStencils&&, const std::vector<unsigned int>&);
 } // namespace kedge

@@ -124,14 +124,21 @@ KEDGE_FUNCTION void set_trial(const ParticleArrays& particles, const unsigned in
   particles.trial_plastic(p) = plastic_increment;
 }
 
-/// Adds V0 tau grad_x S of particle p for its Kirchhoff stress (Pa): tau grad_x S = (tau dF^-T) grad S. `to_start` is
-/// dF^-1.
+/// Volume over which the stress of particle p is integrated, at the scale of V0, m3 (2-D: m2).
+KEDGE_FUNCTION double integration_volume(const ParticleArrays& particles, const StencilSet& stencils,
+                                         const unsigned int p)
+{
+  return particles.initial_volume(p) * stencils.volume_factor(p);
+}
+
+/// Adds V tau grad_x S of particle p, V its integration volume, for its Kirchhoff stress (Pa): tau grad_x S = (tau
+/// dF^-T) grad S. `to_start` is dF^-1.
 template <int dim>
 KEDGE_FUNCTION void add_internal_force(const ParticleArrays& particles, const StencilSet& stencils,
                                        const unsigned int p, const SymmetricTensor& stress,
                                        const Eigen::Matrix3d& to_start, const View<double*>& force)
 {
-  const Eigen::Matrix3d flux = particles.initial_volume(p) * full_matrix(stress) * to_start.transpose();
+  const Eigen::Matrix3d flux = integration_volume(particles, stencils, p) * full_matrix(stress) * to_start.transpose();
   const ParticleNodes at = nodes_of(stencils, p);
   const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
   for (unsigned int v = 0; v < at.n; ++v)

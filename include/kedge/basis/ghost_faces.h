@@ -2,8 +2,7 @@
 #pragma once
 
 #include <kedge/base/kokkos.h>
-#include <kedge/mesh/leaf_table.h>
-#include <mpi.h>
+#include <kedge/basis/leaf_contents.h>
 #include <vector>
 
 namespace kedge
@@ -17,6 +16,8 @@ struct HostGhostFaces
   std::vector<std::size_t> value_begin{0};
   std::vector<double> value;
   std::vector<double> stiffness; ///< factor times Young's modulus, N/m4
+  std::vector<double> extent;    ///< J over the mean over the face of the product of jumps, m5 (2-D: m4)
+  std::vector<double> limit;     ///< jump of the gradient of increments up to which the soil is taken for elastic
   std::vector<double> mass;      ///< factor times density, kg/m3
 };
 
@@ -25,7 +26,7 @@ struct GhostFaces
 {
   View<unsigned int*> node_begin, nodes;
   View<std::size_t*> value_begin;
-  View<double*> value, stiffness, mass;
+  View<double*> value, stiffness, extent, limit, mass;
 
   std::size_t n_faces() const { return stiffness.extent(0); }
 };
@@ -36,33 +37,6 @@ struct GhostFactors
   double stiffness = 0.; ///< 1/m2, as in the published inputs; the strength is this times h^2
   double mass = 0.;      ///< no unit
 };
-
-/// The data of this rank's particles that fill the leaves.
-template <int dim> struct SoilBoxes
-{
-  const std::vector<std::array<double, dim>>&centre, &half_width; ///< m
-  const std::vector<double>&young, &mass, &initial_volume;        ///< Pa, kg (2-D: kg/m), m3 (m2)
-};
-
-/// Soil in a leaf, over all ranks. Each leaf gets the share of a particle that it has of the particle's box.
-struct LeafContent
-{
-  double volume = 0.;         ///< of the particles' boxes in it, m3 (2-D: m2)
-  double initial_volume = 0.; ///< m3 (2-D: m2)
-  double stiffness = 0.;      ///< volume times Young's modulus
-  double mass = 0.;           ///< kg (2-D: kg/m)
-  double boundary = 0.;       ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
-};
-
-/// Contents of all leaves of the table (owned and ghost). Cells beyond the ends of the window do not count as
-/// neighbours. Collective.
-template <int dim>
-std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const SoilBoxes<dim>& soil, double poor_factor,
-                                            MPI_Comm communicator);
-
-/// Whether the basis sees the leaf. BoxAverage has dropped slivers already; a further threshold here would leave nodes
-/// of small cuts without stabilisation.
-inline bool is_populated(const LeafContent& content) { return content.volume > 0.; }
 
 /// Faces between a boundary leaf and a populated leaf, each on one rank (Coombs 2023, doi 10.1002/nme.7332). J is h^3 /
 /// 3 times the integral over the face of the product of the jumps of the normal derivative. h and the face belong to

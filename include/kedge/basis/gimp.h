@@ -1,6 +1,7 @@
 // Discrete GIMP basis: the shape functions of the mesh averaged over each particle's box.
 #pragma once
 
+#include <kedge/basis/cell_quadrature.h>
 #include <kedge/basis/stencil.h>
 #include <kedge/mesh/leaf_table.h>
 #include <vector>
@@ -34,8 +35,13 @@ public:
   /// Leaves that the box overlaps, with their fractions (sum 1). Empty if the box lies outside the window.
   const std::vector<Overlap>& find_overlaps(const std::array<double, dim>& centre,
                                             const std::array<double, dim>& half_width);
-  /// Node shares of the box of the last find_overlaps(), in the order in which its leaves name the nodes.
-  const std::vector<NodeShare<dim>>& average();
+  /// Centre of the part of the box that lies in the overlap's leaf, m.
+  std::array<double, dim> middle_of(const Overlap& overlap) const;
+  /// Node shares of the box of the last find_overlaps(), in the order in which its leaves name the nodes. With
+  /// corrections, one per leaf, gradients are those of the corrected quadrature.
+  const std::vector<NodeShare<dim>>& average(const std::vector<CellCorrection<dim>>& corrections = {});
+  /// The factor of the volume that belongs to the last average().
+  double volume_factor() const { return factor; }
 
 private:
   const LeafTable<dim>& table;
@@ -43,6 +49,7 @@ private:
   std::vector<unsigned int> candidates;
   std::vector<Overlap> overlaps;
   std::vector<NodeShare<dim>> shares;
+  double factor = 1.;
 };
 
 /// Adds values and gradients of a leaf's true nodes at a point x (m) of the leaf, times a weight, to `shares`.
@@ -56,16 +63,17 @@ struct HostStencils
   std::vector<unsigned int> pattern_node_begin, pattern_nodes, pattern_particle_begin, pattern_particles,
       pattern_of_particle;
   std::vector<std::size_t> value_begin;
-  std::vector<double> value, gradient;
+  std::vector<double> value, gradient, volume_factor;
 };
 
 /// Builds the stencils of all particles. `leaf_of_particle` serves only to find equal patterns; particles of one leaf
-/// must be consecutive. With `point_basis` every box shrinks to its centre (standard MPM). Throws SolverError if a
-/// particle lies outside the window.
+/// must be consecutive. With `point_basis` every box shrinks to its centre (standard MPM). `corrections`, one per leaf or
+/// none, are those of the quadrature of full cells. Throws SolverError if a particle lies outside the window.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
-                            const std::vector<unsigned int>& leaf_of_particle, bool point_basis);
+                            const std::vector<unsigned int>& leaf_of_particle, bool point_basis,
+                            const std::vector<CellCorrection<dim>>& corrections = {});
 
 /// Renames the nodes by `number` (leaf-table node -> active node), sorts the nodes of each pattern and copies
 /// everything to the device.

@@ -9,6 +9,8 @@ namespace kedge
 /// pattern_nodes[pattern_node_begin[k] .. pattern_node_begin[k + 1]), ascending, and the particles
 /// pattern_particles[pattern_particle_begin[k] .. pattern_particle_begin[k + 1]). Particle p with n nodes has its
 /// values S_v(p) at value[value_begin[p] + v] and its gradients (1/m) at gradient[dim * (value_begin[p] + v) + axis].
+/// Stresses are integrated over volume_factor[p] times the particle's initial volume V0: 1 unless cells correct their
+/// quadrature (cell_quadrature.h).
 struct StencilSet
 {
   unsigned int dim = 3;
@@ -18,6 +20,6 @@ struct StencilSet
   View<unsigned int*> pattern_particle_begin, pattern_particles;
   View<unsigned int*> pattern_of_particle;
   View<std::size_t*> value_begin;
-  View<double*> value, gradient;
+  View<double*> value, gradient, volume_factor;
 };
 } // namespace kedge

@@ -1,0 +1,36 @@
+// Quadrature of full cells, made exact for constants and linear functions.
+#pragma once
+
+#include <kedge/basis/leaf_contents.h>
+
+namespace kedge
+{
+/// What a leaf does to the parts of particles' boxes in it, so that their sum integrates over the leaf. In soil that has
+/// flown the boxes overlap here and leave gaps there: uniform stress then pushes the nodes about, by a quarter of itself
+/// after a travel of one cell (Baumgarten & Kamrin 2023, doi 10.1002/nme.7217, show where the error comes from). In full
+/// leaves
+/// - volumes are scaled so that they fill the leaf, and
+/// - gradients are taken at places shifted so that the soil's centroid is the leaf's centre (3-D: less the mean of the
+///   bilinear part), and closer together by `hourglass share`.
+/// The sum of gradients over a full leaf is then that of the finite element with the same nodes, wherever the particles
+/// are, and uniform stress is in balance. Linear fields have the same gradient at every place, so they are reproduced.
+template <int dim> struct CellCorrection
+{
+  double scale = 1.;                  ///< of volumes
+  double share = 1.;                  ///< of distances from the centroid
+  std::array<double, dim> offset{};   ///< m
+  std::array<double, dim> twist{};    ///< taken off gradients by the sign of the vertex's natural coordinates, 1/m
+
+  std::array<double, dim> corrected(std::array<double, dim> x) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      x[d] = share * x[d] + offset[d];
+    return x;
+  }
+};
+
+/// The corrections of all leaves: of those that are full, and none for the others.
+template <int dim>
+std::vector<CellCorrection<dim>> find_cell_corrections(const LeafTable<dim>& table,
+                                                       const std::vector<LeafContent>& contents);
+} // namespace kedge
