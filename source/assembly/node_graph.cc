@@ -227,19 +227,17 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
     return;
   const unsigned int block = graph.dim * graph.dim;
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
-  std::vector<int> send_count(n_ranks), send_begin(n_ranks), receive_count(n_ranks), receive_begin(n_ranks);
-  std::size_t total = 0;
+  std::vector<int> send_count(n_ranks), receive_count(n_ranks);
   for (int r = 0; r < n_ranks; ++r)
   {
-    send_count[r] = block * (graph.send_begin[r + 1] - graph.send_begin[r]);
-    send_begin[r] = block * (graph.send_begin[r] - graph.send_begin[0]);
-    receive_count[r] = block * graph.receive_count[r];
-    receive_begin[r] = total;
-    total += receive_count[r];
+    send_count[r] = static_cast<int>(graph.send_begin[r + 1] - graph.send_begin[r]);
+    receive_count[r] = static_cast<int>(graph.receive_count[r]);
   }
-  std::vector<double> received(total);
-  MPI_Alltoallv(host.data() + block * graph.send_begin[0], send_count.data(), send_begin.data(), MPI_DOUBLE,
-                received.data(), receive_count.data(), receive_begin.data(), MPI_DOUBLE, graph.communicator);
+  const std::vector<int> send_begin = begin_of_parts(send_count), receive_begin = begin_of_parts(receive_count);
+  std::vector<double> received(std::size_t(block) * receive_begin[n_ranks]);
+  const PlainType block_type(block * sizeof(double));
+  MPI_Alltoallv(host.data() + block * graph.send_begin[0], send_count.data(), send_begin.data(), block_type.get(),
+                received.data(), receive_count.data(), receive_begin.data(), block_type.get(), graph.communicator);
 
   // The same block lies elsewhere in the sender's row and in this rank's, which may have more columns.
   std::size_t t = 0;
@@ -247,7 +245,7 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
     for (std::size_t k = 0; k < graph.receive_count[r]; ++k, ++t)
     {
       const NodeGraph::Target& target = graph.targets[t];
-      const double* source = received.data() + receive_begin[r] + block * target.sender_offset;
+      const double* source = received.data() + block * (receive_begin[r] + target.sender_offset);
       double* row = host.data() + block * target.row_begin;
       for (unsigned int i = 0; i < graph.dim; ++i)
         for (unsigned int j = 0; j < graph.dim; ++j)

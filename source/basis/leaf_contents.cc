@@ -3,7 +3,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/basis/gimp.h>
 #include <kedge/basis/leaf_contents.h>
-#include <unordered_map>
+#include <map>
 
 namespace kedge
 {
@@ -17,18 +17,21 @@ constexpr double surely_full = 0.9;
 /// spread unevenly.
 constexpr double full_inside = 0.5, filled_neighbour = 0.25;
 
-/// Name of a leaf that is the same on every rank: its lower corner in units of 1/1024 base cell.
-template <int dim> long long leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
+/// Name of a leaf that is the same on every rank: its lower corner in units of the finest cells that a forest can have.
+template <int dim> using LeafKey = std::array<long long, dim>;
+
+template <int dim> LeafKey<dim> leaf_key(const LeafTable<dim>& table, const unsigned int leaf)
 {
-  long long key = 0;
+  constexpr double finest = 1u << 30;
+  LeafKey<dim> key;
   for (unsigned int d = 0; d < dim; ++d)
-    key = (key << 21) | std::llround(1024. * table.leaves[leaf].lower[d] / table.base_size);
+    key[d] = std::llround(finest * table.leaves[leaf].lower[d] / table.base_size);
   return key;
 }
 
-struct Parcel
+template <int dim> struct Parcel
 {
-  long long key;
+  LeafKey<dim> key;
   LeafContent content;
 };
 
@@ -49,27 +52,27 @@ public:
   /// Adds what this rank found in ghost leaves to their owners' contents.
   void add_to_owners(std::vector<LeafContent>& contents) const
   {
-    std::vector<std::vector<Parcel>> send(ghosts.size());
+    std::vector<std::vector<Parcel<dim>>> send(ghosts.size());
     for (std::size_t r = 0; r < ghosts.size(); ++r)
       for (const unsigned int leaf : ghosts[r])
         if (contents[leaf].volume > 0.)
           send[r].push_back({leaf_key(table, leaf), contents[leaf]});
     for (const auto& parcels : exchange_between_ranks(send, communicator))
-      for (const Parcel& parcel : parcels)
+      for (const Parcel<dim>& parcel : parcels)
         contents[owned.at(parcel.key)].add(parcel.content);
   }
 
   /// Replaces the contents of ghost leaves by those that their owners have.
   void update_ghosts(std::vector<LeafContent>& contents) const
   {
-    std::vector<std::vector<long long>> keys(ghosts.size());
+    std::vector<std::vector<LeafKey<dim>>> keys(ghosts.size());
     for (std::size_t r = 0; r < ghosts.size(); ++r)
       for (const unsigned int leaf : ghosts[r])
         keys[r].push_back(leaf_key(table, leaf));
     const auto asked = exchange_between_ranks(keys, communicator);
     std::vector<std::vector<LeafContent>> answer(ghosts.size());
     for (std::size_t r = 0; r < ghosts.size(); ++r)
-      for (const long long key : asked[r])
+      for (const LeafKey<dim>& key : asked[r])
         answer[r].push_back(contents[owned.at(key)]);
     const auto received = exchange_between_ranks(answer, communicator);
     for (std::size_t r = 0; r < ghosts.size(); ++r)
@@ -81,7 +84,7 @@ private:
   const LeafTable<dim>& table;
   MPI_Comm communicator;
   std::vector<std::vector<unsigned int>> ghosts;
-  std::unordered_map<long long, unsigned int> owned;
+  std::map<LeafKey<dim>, unsigned int> owned;
 };
 
 template <int dim> double leaf_volume(const LeafTable<dim>& table, const unsigned int leaf)

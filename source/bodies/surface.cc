@@ -195,11 +195,11 @@ ClosestPoint Surface::Tree::describe(const Eigen::Vector3d& x, const Nearest& ne
   {
     // The foot of the perpendicular is more exact than barycentric coordinates of a slender triangle.
     const Eigen::Vector3d foot = nearest.part == face ? Eigen::Vector3d(x - height * part.normal) : nearest.point;
-    return {height, foot, part.normal, part.feature, part.tangent, triangle};
+    return {height, foot, part.normal, part.feature, part.tangent, triangle, part.normal};
   }
   const double distance = std::sqrt(nearest.squared_distance), gap = std::copysign(distance, height);
   const Eigen::Vector3d normal = distance > tiny ? Eigen::Vector3d(away / gap) : part.normal;
-  return {gap, nearest.point, normal, part.feature, part.tangent, triangle};
+  return {gap, nearest.point, normal, part.feature, part.tangent, triangle, part.normal};
 }
 
 Surface::Surface(TriangleMesh mesh) : tree(std::make_unique<Tree>(std::move(mesh))) {}
@@ -216,7 +216,10 @@ ClosestPoint Surface::closest_point(const Eigen::Vector3d& x) const
   constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
   const Nearest nearest = tree->nearest(x, infinity);
   if (nearest.facet == -1u) // only where x is not finite
-    return {nan, x, Eigen::Vector3d::Constant(nan), Feature::face, Eigen::Vector3d::Zero(), 0};
+  {
+    const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(nan);
+    return {nan, x, nowhere, Feature::face, Eigen::Vector3d::Zero(), 0, nowhere};
+  }
   return tree->describe(x, nearest);
 }
 

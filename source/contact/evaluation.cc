@@ -14,6 +14,10 @@ namespace
 /// times their depth they fade, slowly enough for the soil to give way.
 constexpr double fading_per_distance = 0.25;
 
+/// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
+/// there is what the last solution has left of the distance.
+constexpr double on_surface = 0.05;
+
 Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
 {
   switch (closest.feature)
@@ -74,16 +78,24 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
   return points;
 }
 
-/// Tension pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to
-/// facet and no Newton iteration comes to rest: within a step a plane stands for the surface.
+/// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
+/// pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to facet, and
+/// a multiplier presses on however near the surface is, while the normal at an edge turns by 1/distance.
 template <int dim>
-std::optional<ClosestPoint> Contact<dim>::closest_on_bonding_plane(Pair& pair, const Surface& surface,
-                                                                   const Pose& before, const Eigen::Vector3d& slip)
+std::optional<ClosestPoint> Contact<dim>::find_closest(Pair& pair, const Surface& surface, const Pose& before,
+                                                       const Eigen::Vector3d& x, const double distance)
 {
-  if (!pair.bonding_plane)
-    pair.bonding_plane = surface.closest_point(before.to_body(pair.start));
-  ClosestPoint closest = *pair.bonding_plane;
-  closest.gap += closest.normal.dot(slip);
+  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0.))
+  {
+    pair.on_plane = true;
+    pair.plane = surface.closest_point(before.to_body(pair.start));
+    if (std::abs(pair.plane.gap) < on_surface * pair.size)
+      pair.plane.normal = pair.plane.pseudo_normal;
+  }
+  if (!pair.on_plane)
+    return surface.closest_point_within(x, distance, pair.known);
+  ClosestPoint closest = pair.plane;
+  closest.gap += closest.normal.dot(pair.slip);
   closest.feature = Feature::face;
   return closest;
 }
@@ -101,13 +113,18 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   pair.proposed.tangential.setZero();
 
   const bool bonded = pair.committed.bonded;
-  const Eigen::Vector3d x = now.to_body(pair.position), slip = x - before.to_body(pair.start); // as the body sees it
+  const Eigen::Vector3d x = now.to_body(pair.position);
+  pair.slip = x - before.to_body(pair.start);
   const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
-  const auto closest = bonded ? closest_on_bonding_plane(pair, surface, before, slip)
-                              : surface.closest_point_within(x, held_off, pair.known);
+  const auto closest = find_closest(pair, surface, before, x, held_off);
   if (!closest)
     return;
   pair.gap = closest->gap;
+  if (!pair.on_plane)
+  {
+    pair.plane = *closest;
+    pair.plane.gap -= closest->normal.dot(pair.slip);
+  }
   if (bonded) // it stays where it was when it was bonded
     pair.trial.reference_gap = pair.committed.reference_gap;
   else
@@ -125,7 +142,7 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   at.normal = now.direction_to_world(closest->normal);
   const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
   at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
-  at.slip = now.direction_to_world(slip);
+  at.slip = now.direction_to_world(pair.slip - pair.slip_begin);
   const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
 
   const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier, bonded);
@@ -141,14 +158,18 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
       pair.trial.reference_gap = closest->gap + pressure / pair.stiffness.normal;
     else
       pair.trial.multiplier = pressure;
-    pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
   }
+  pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
 }
 
 template <int dim> void Contact<dim>::reset_multipliers()
 {
   for (Pair& pair : pairs)
+  {
     pair.augmented = pair.committed;
+    pair.slip_begin.setZero();
+    pair.on_plane = false;
+  }
 }
 
 template <int dim> void Contact<dim>::augment(const double factor)
@@ -160,6 +181,16 @@ template <int dim> void Contact<dim>::augment(const double factor)
     const double before = pair.augmented.multiplier;
     pair.augmented = pair.proposed;
     pair.augmented.multiplier = std::max(0., before + factor * (pair.proposed.multiplier - before));
+    pair.on_plane = pair.on_plane || pair.active;
+  }
+}
+
+template <int dim> void Contact<dim>::follow_path()
+{
+  for (Pair& pair : pairs)
+  {
+    pair.augmented.tangential = pair.proposed.tangential; // none where nothing touches
+    pair.slip_begin = pair.slip;
   }
 }
 

@@ -101,6 +101,36 @@ void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower, const std
       }
 }
 
+template <int dim>
+std::array<double, dim> LeafTable<dim>::within_neighbours(const unsigned int number, const std::array<double, dim>& x,
+                                                          const std::array<double, dim>& half_width) const
+{
+  const Leaf& leaf = leaves[number];
+  std::array<double, dim> inside; // from x to the nearer face along each axis
+  bool far = false;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    inside[d] = std::clamp(std::min(x[d] - leaf.lower[d], leaf.lower[d] + leaf.size - x[d]), 0., leaf.size);
+    far = far || half_width[d] > inside[d] + 0.5 * leaf.size;
+  }
+  if (!far) // 2:1: no neighbour is smaller
+    return half_width;
+  std::array<double, dim> lower, upper, result;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    lower[d] = leaf.lower[d] - 0.25 * leaf.size;
+    upper[d] = leaf.lower[d] + 1.25 * leaf.size;
+  }
+  std::vector<unsigned int> around;
+  find_leaves(lower, upper, around);
+  double smallest = leaf.size;
+  for (const unsigned int neighbour : around)
+    smallest = std::min(smallest, leaves[neighbour].size);
+  for (unsigned int d = 0; d < dim; ++d)
+    result[d] = std::min(half_width[d], inside[d] + smallest);
+  return result;
+}
+
 template struct LeafTable<2>;
 template struct LeafTable<3>;
 } // namespace kedge

@@ -9,7 +9,12 @@ namespace kedge
 {
 namespace
 {
-constexpr double least_volume_ratio = 0.1, largest_volume_ratio = 10.;
+/// Share of a material's volume that is left.
+bool is_sound(const double volume_ratio)
+{
+  return volume_ratio >= least_volume_ratio &&
+         volume_ratio <= (1. + 1e-9) * largest_volume_ratio; // round-off of a bound
+}
 
 template <int dim> bool is_distorted(const typename ParticleSet<dim>::Accessor& particle)
 {
@@ -29,7 +34,8 @@ template <int dim> bool is_distorted(const typename ParticleSet<dim>::Accessor& 
       return true;
   const double ratio =
       Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data + field::deformation_gradient).determinant();
-  return !(ratio >= least_volume_ratio && ratio <= largest_volume_ratio);
+  const double* strain = data + field::elastic_strain;
+  return !is_sound(ratio) || !is_sound(std::exp(strain[0] + strain[1] + strain[2]));
 }
 
 /// Numbers of domains that reach into each owned and ghost leaf.
@@ -68,12 +74,17 @@ private:
 
   std::vector<unsigned int> leaves_of(const typename ParticleSet<dim>::Accessor& particle) const
   {
-    Position lower, upper;
+    Position x, half, lower, upper;
     for (unsigned int d = 0; d < dim; ++d)
     {
-      const double half = particle.get_properties()[field::half_width + d];
-      lower[d] = std::max(table.lower_end(d), particle.get_location()[d] - half);
-      upper[d] = std::min(table.upper_end(d), particle.get_location()[d] + half);
+      x[d] = particle.get_location()[d];
+      half[d] = particle.get_properties()[field::half_width + d];
+    }
+    half = table.within_neighbours(mesh.leaf_number(particle.get_surrounding_cell()), x, half);
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      lower[d] = std::max(table.lower_end(d), x[d] - half[d]);
+      upper[d] = std::min(table.upper_end(d), x[d] + half[d]);
     }
     std::vector<unsigned int> found;
     table.find_leaves(lower, upper, found);

@@ -1,11 +1,19 @@
-// Size of a particle's domain, from its properties.
+// Size and deformation of a particle's domain, from its properties.
 #pragma once
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <kedge/particles/fields.h>
 
 namespace kedge
 {
+/// Bounds on the volume of a particle over its initial one: on what F tells and on the elastic part of it.
+constexpr double least_volume_ratio = 0.1, largest_volume_ratio = 10.;
+/// Bounds on the stretch of a domain along an axis.
+constexpr double least_stretch = 0.1, largest_stretch = 1.99;
+
 /// m3 (2-D: m2).
 template <int dim> double domain_volume(const double* data)
 {
@@ -17,4 +25,25 @@ template <int dim> double domain_volume(const double* data)
 
 /// Geometric mean of the edges, m.
 template <int dim> double domain_width(const double* data) { return std::pow(domain_volume<dim>(data), 1. / dim); }
+
+/// Takes from F what is more than the largest volume; in plane strain within the plane. Soil without stress opens
+/// without limit, and F, which no stress depends on, then only counts what its voids have taken.
+template <int dim> void bound_volume(double* data)
+{
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(data + field::deformation_gradient);
+  if (const double ratio = F.determinant(); ratio > largest_volume_ratio)
+    F.template topLeftCorner<dim, dim>() *= std::pow(largest_volume_ratio / ratio, 1. / dim);
+}
+
+/// Stretches the domain by the diagonal of the right stretch tensor U of F = R U, as Coombs et al. (2020) advise: a
+/// rotation leaves it as it is.
+template <int dim> void stretch_domain(double* data)
+{
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(data + field::deformation_gradient);
+  const Eigen::Matrix3d C = F.transpose() * F;
+  const Eigen::Matrix3d U = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C).operatorSqrt();
+  for (unsigned int d = 0; d < dim; ++d)
+    data[field::half_width + d] =
+        data[field::initial_half_width + d] * std::clamp(U(d, d), least_stretch, largest_stretch);
+}
 } // namespace kedge

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <kedge/base/exceptions.h>
 #include <kedge/materials/material.h>
 #include <kedge/particles/generation.h>
+#include <limits>
 
 namespace kedge
 {
@@ -134,6 +136,14 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
   for (const Layer& layer : parameters.layers)
     block.materials.push_back(make_material(layer.material));
   const std::vector<ParticleRow> rows = make_rows(block.spacing, block.height, parameters.layers, gravity);
+
+  double n_places = rows.size();
+  for (const long long n_along : block.per_axis)
+    n_places *= std::max(1ll, n_along);
+  if (n_places > static_cast<double>(std::numeric_limits<dealii::types::particle_index>::max()))
+    throw InputError("material points.element size",
+                     "the block has more material points than can be numbered, " + std::to_string(n_places),
+                     "choose a larger one");
 
   auto& handler = particles.edit();
   for (const auto& cell : mesh.triangulation().active_cell_iterators())

@@ -27,12 +27,18 @@ double elastic_energy(const double* data)
          (stress.head<3>().dot(strain.head<3>()) + 2. * stress.tail<3>().dot(strain.tail<3>()));
 }
 
-template <int dim> double total_elastic_energy(const Group<dim>& group)
+/// 1/2 m v^2, J.
+double kinetic_energy(const double* data)
 {
-  double energy = 0.;
+  return 0.5 * data[field::mass] * Eigen::Map<const Eigen::Vector3d>(data + field::velocity).squaredNorm();
+}
+
+template <int dim> double total(const Group<dim>& group, double (*energy)(const double*))
+{
+  double sum = 0.;
   for (const auto& particle : group)
-    energy += elastic_energy(particle->get_properties().data());
-  return energy;
+    sum += energy(particle->get_properties().data());
+  return sum;
 }
 
 /// The smallest members of a group that are together no wider than `limit`, in an order that does not depend on ranks.
@@ -235,8 +241,10 @@ MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<di
     for (const Group<dim>& group : find_groups<dim>(particles, cell, points_per_axis, keep))
     {
       const MergedData merged = join<dim>(group);
-      const double before = total_elastic_energy<dim>(group), lost = before - elastic_energy(merged.data.data());
-      if (!merged.sound || lost > energy_tolerance * before)
+      const double before = total<dim>(group, elastic_energy), lost = before - elastic_energy(merged.data.data());
+      const double motion = total<dim>(group, kinetic_energy), stopped = motion - kinetic_energy(merged.data.data());
+      // of soil at rest the motion is noise, which is better lost: it counts beside the elastic energy
+      if (!merged.sound || lost > energy_tolerance * before || stopped > energy_tolerance * (before + motion))
         continue;
       const Group<dim> others = replace<dim>(group, merged, mesh, cell);
       doomed.insert(doomed.end(), others.begin(), others.end());

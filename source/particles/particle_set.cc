@@ -1,4 +1,5 @@
 #include "array_copies.h"
+#include "domain.h"
 #include <algorithm>
 #include <cmath>
 #include <kedge/base/communication.h>
@@ -94,6 +95,7 @@ template <int dim> const typename ParticleSet<dim>::Mirror& ParticleSet<dim>::fr
 template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
 {
   into.order = sort_active();
+  into.n_cut = 0;
   const std::size_t n = into.order.size();
   ParticleArrays& arrays = into.arrays;
   if (n != arrays.n || arrays.young.extent(0) != n)
@@ -111,8 +113,11 @@ template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
     const auto& particle = into.order[p].particle;
     const double* data = particle->get_properties().data();
     into.centre[p] = to_array<dim>(particle->get_location());
-    std::copy_n(data + field::half_width, dim, into.half_width[p].begin());
     into.leaf[p] = into.order[p].leaf;
+    std::array<double, dim> half_width;
+    std::copy_n(data + field::half_width, dim, half_width.begin());
+    into.half_width[p] = mesh.leaves().within_neighbours(into.leaf[p], into.centre[p], half_width);
+    into.n_cut += into.half_width[p] != half_width;
     into.id[p] = particle->get_id();
     const SymmetricTensor b_e = left_cauchy_green(Eigen::Map<const SymmetricTensor>(data + field::elastic_strain));
     for (unsigned int i = 0; i < 6; ++i)
@@ -177,9 +182,9 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
         for (unsigned int k = 0; k < 3; ++k)
           updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
     std::copy_n(updated, 9, F);
+    bound_volume<dim>(data);
     if (domain_update == DomainUpdate::stretch)
-      for (unsigned int d = 0; d < dim; ++d)
-        data[field::half_width + d] = data[field::initial_half_width + d] * std::min(1.99, F[4 * d]);
+      stretch_domain<dim>(data);
 
     std::apply([&](const auto&... copy) { (copy.commit(p, data), ...); }, copies);
     for (unsigned int i = 0; i < 3; ++i)
@@ -189,8 +194,50 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
     }
   }
   const long long before = particles.n_global_particles();
+  const std::vector<Stray<dim>> strays = take_out_strays();
   edit().sort_particles_into_subdomains_and_cells();
+  bring_in(strays);
   lost += before - static_cast<long long>(particles.n_global_particles());
+}
+
+/// Particles that have moved into parts of the grid that this rank does not know: the handler looks no farther than the
+/// neighbours of the rank's cells.
+template <int dim> std::vector<Stray<dim>> ParticleSet<dim>::take_out_strays()
+{
+  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  std::vector<Stray<dim>> strays;
+  if (size_of(communicator) == 1)
+    return strays;
+  std::vector<typename Handler::particle_iterator> leaving;
+  for (const Place& place : mirror.order)
+    if (const auto x = to_array<dim>(place.particle->get_location()); mesh.leaves().find_leaf(x) < 0)
+    {
+      strays.push_back({x, static_cast<long long>(place.particle->get_id()), {}});
+      std::copy_n(place.particle->get_properties().data(), field::count, strays.back().data.begin());
+      leaving.push_back(place.particle);
+    }
+  if (sum_over_ranks(static_cast<long long>(leaving.size()), communicator) > 0)
+    edit().remove_particles(leaving);
+  return gather_everywhere(strays, communicator);
+}
+
+/// Takes those in whose leaf this rank owns; collective where there are any. What is off the grid is lost.
+template <int dim> void ParticleSet<dim>::bring_in(const std::vector<Stray<dim>>& strays)
+{
+  if (strays.empty())
+    return;
+  for (const Stray<dim>& stray : strays)
+    if (const int number = mesh.leaves().find_leaf(stray.position); number >= 0 && mesh.leaves().leaves[number].owned)
+    {
+      const auto& leaf = mesh.leaves().leaves[number];
+      const typename BackgroundMesh<dim>::Cell cell(&mesh.triangulation(), leaf.tree_level, leaf.tree_index);
+      dealii::Point<dim> x;
+      for (unsigned int d = 0; d < dim; ++d)
+        x[d] = stray.position[d];
+      edit().insert_particle(x, mesh.mapping().transform_real_to_unit_cell(cell, x), stray.id, cell,
+                             dealii::ArrayView<const double>(stray.data.data(), stray.data.size()));
+    }
+  edit().update_cached_numbers();
 }
 
 template <int dim> void ParticleSet<dim>::carry_through(const std::function<void()>& change)

@@ -72,6 +72,18 @@ void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigne
                               format_residuals(newton)));
 }
 
+void RunLog::warn_of_cut_domains(const long long here, const unsigned int step)
+{
+  if (has_warned_of_cut_domains)
+    return;
+  const long long n_cut = sum_over_ranks(here, MPI_COMM_WORLD);
+  has_warned_of_cut_domains = n_cut > 0;
+  if (n_cut > 0)
+    terminal.warn(fmt::format("step {}: the domains of {} material points reach farther than the neighbours of their "
+                              "cells and are cut there; more material points per element keep them narrower",
+                              step, n_cut));
+}
+
 void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state)
 {
   StageSummary& stage = summary.stages.back();

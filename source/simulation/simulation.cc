@@ -241,6 +241,7 @@ template <int dim> void Simulation<dim>::prepare_step()
   move_window();
   clean();
   adapt();
+  log.warn_of_cut_domains(soil.particles().n_cut(), step_number);
   step = make_step();
   if (take_reference_gaps)
     soil.contact().take_reference_gaps(bodies);

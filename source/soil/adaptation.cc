@@ -42,18 +42,14 @@ template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next(
 {
   const WantedSize<dim> wanted = [this](const std::array<double, dim>& lower, const double size)
   { return wanted_size(lower, size); };
-  refines = refines && flag_refinement<dim>(mesh, wanted, find_soil());
+  refines = refines && flag_refinement<dim>(mesh, wanted, find_soil()) && change_cells();
   if (refines)
-  {
-    change_cells();
     return Pass::cells;
-  }
   switch (flag_coarsening<dim>(mesh, wanted, find_largest_sizes()))
   {
     case Coarsening::flagged:
-      change_cells();
       gathered = false;
-      return Pass::cells;
+      return change_cells() ? Pass::cells : Pass::none;
     case Coarsening::split_families:
       if (gathered) // a repartition did not bring them together
         return Pass::none;
@@ -66,9 +62,12 @@ template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next(
   return Pass::none;
 }
 
-template <int dim> void CellAdaptation<dim>::change_cells()
+/// False where the forest has refused all that was flagged: to ask again would never end.
+template <int dim> bool CellAdaptation<dim>::change_cells()
 {
+  const auto before = mesh.triangulation().n_global_active_cells();
   particles.carry_through([this] { mesh.triangulation().execute_coarsening_and_refinement(); });
+  return mesh.triangulation().n_global_active_cells() != before;
 }
 
 template <int dim>

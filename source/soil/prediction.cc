@@ -1,27 +1,79 @@
+#include <algorithm>
+#include <kedge/base/communication.h>
 #include <kedge/basis/gimp.h>
 #include <kedge/soil/prediction.h>
 
 namespace kedge
 {
-template <int dim>
-Prediction transfer_prediction(const Prediction& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to)
+namespace
 {
-  if (prediction.empty())
+template <int dim> using Vector = std::array<double, dim>;
+
+/// Of a leaf at x, m.
+template <int dim>
+Vector<dim> interpolate(const Prediction& prediction, const LeafTable<dim>& table, const int leaf, const Vector<dim>& x)
+{
+  std::vector<NodeShare<dim>> shares;
+  add_leaf_shape<dim>(table, leaf, x, 1., shares);
+  Vector<dim> increment{};
+  for (const NodeShare<dim>& share : shares)
+    for (unsigned int d = 0; d < dim; ++d)
+      increment[d] += share.value * prediction[dim * share.node + d];
+  return increment;
+}
+
+/// A place that a rank has not known before, and what the rank that has says of it.
+template <int dim> struct Answer
+{
+  std::size_t node; ///< of the rank that asks
+  Vector<dim> increment;
+};
+
+/// Asks all ranks for the increments at nodes in leaves that this one did not know.
+template <int dim>
+void ask_others(const Prediction& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
+                const std::vector<std::size_t>& unknown, const MPI_Comm communicator, Prediction& result)
+{
+  struct Question
+  {
+    int rank;
+    std::size_t node;
+    Vector<dim> x;
+  };
+  std::vector<Question> questions;
+  for (const std::size_t node : unknown)
+    questions.push_back({rank_of(communicator), node, to.node_position[node]});
+  std::vector<std::vector<Answer<dim>>> answers(size_of(communicator));
+  for (const Question& question : gather_everywhere(questions, communicator))
+    if (const int leaf = from.find_leaf(question.x); leaf >= 0 && from.leaves[leaf].owned)
+      answers[question.rank].push_back({question.node, interpolate<dim>(prediction, from, leaf, question.x)});
+  for (const auto& from_rank : exchange_between_ranks(answers, communicator))
+    for (const Answer<dim>& answer : from_rank)
+      std::copy(answer.increment.begin(), answer.increment.end(), result.begin() + dim * answer.node);
+}
+} // namespace
+
+template <int dim>
+Prediction transfer_prediction(const Prediction& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
+                               const MPI_Comm communicator)
+{
+  if (max_over_ranks(!prediction.empty(), communicator) == 0.)
     return {};
   Prediction result(dim * to.node_position.size(), 0.);
-  std::vector<NodeShare<dim>> shares;
+  std::vector<std::size_t> unknown;
   for (std::size_t node = 0; node < to.node_position.size(); ++node)
     if (const int leaf = from.find_leaf(to.node_position[node]); leaf >= 0)
     {
-      shares.clear();
-      add_leaf_shape<dim>(from, leaf, to.node_position[node], 1., shares);
-      for (const NodeShare<dim>& share : shares)
-        for (unsigned int d = 0; d < dim; ++d)
-          result[dim * node + d] += share.value * prediction[dim * share.node + d];
+      const Vector<dim> increment = interpolate<dim>(prediction, from, leaf, to.node_position[node]);
+      std::copy(increment.begin(), increment.end(), result.begin() + dim * node);
     }
+    else
+      unknown.push_back(node);
+  if (max_over_ranks(!unknown.empty(), communicator) > 0.)
+    ask_others<dim>(prediction, from, to, unknown, communicator, result);
   return result;
 }
 
-template Prediction transfer_prediction<2>(const Prediction&, const LeafTable<2>&, const LeafTable<2>&);
-template Prediction transfer_prediction<3>(const Prediction&, const LeafTable<3>&, const LeafTable<3>&);
+template Prediction transfer_prediction<2>(const Prediction&, const LeafTable<2>&, const LeafTable<2>&, MPI_Comm);
+template Prediction transfer_prediction<3>(const Prediction&, const LeafTable<3>&, const LeafTable<3>&, MPI_Comm);
 } // namespace kedge

@@ -79,7 +79,7 @@ template <int dim> void Soil<dim>::set_window(const Window<dim>& window, const B
   if (!balance_where_it_pays())
     return;
   follow_particles();
-  guess = transfer_prediction<dim>(guess, before, grid.leaves());
+  guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
 }
 
 template <int dim> HopelessParticles Soil<dim>::clean()
@@ -107,7 +107,7 @@ template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adapt
   }
   if (!changed)
     return false;
-  guess = transfer_prediction<dim>(guess, before, grid.leaves());
+  guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
   if (adaptivity.merge)
     merge();
   return true;

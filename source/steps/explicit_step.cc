@@ -158,6 +158,7 @@ template <int dim> void ExplicitStep<dim>::begin()
   Kokkos::deep_copy(velocity, start_velocity);
   path = begin_path(particles);
   motion.reset();
+  context.soil.contact().reset_multipliers(); // after a cut
   if (context.stage.rigid_bodies)
     motion.emplace(context.bodies, load.begins_stage);
 }
@@ -188,6 +189,7 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
     body_increments = motion->increments();
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
     add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
+    context.soil.contact().follow_path();
   }
   else
     body_increments.assign(context.bodies.points.size(), Vector6::Zero());

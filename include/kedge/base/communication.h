@@ -1,8 +1,10 @@
 // The few patterns of communication (MPI) that the rooms share.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <mpi.h>
-#include <numeric>
+#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
@@ -53,6 +55,39 @@ inline long long sum_over_lower_ranks(const long long value, const MPI_Comm comm
   return rank_of(communicator) == 0 ? 0 : sum;
 }
 
+/// A type of MPI for plain data, so that messages are counted in entries: their bytes may be too many for an int.
+class PlainType
+{
+public:
+  explicit PlainType(const std::size_t bytes)
+  {
+    MPI_Type_contiguous(static_cast<int>(bytes), MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+  }
+  PlainType(const PlainType&) = delete;
+  PlainType& operator=(const PlainType&) = delete;
+  ~PlainType() { MPI_Type_free(&type); }
+  MPI_Datatype get() const { return type; }
+
+private:
+  MPI_Datatype type = MPI_DATATYPE_NULL;
+};
+
+/// Where the parts of a message begin, from their numbers of entries, and behind the last one its length. Throws where
+/// that is too long for MPI.
+inline std::vector<int> begin_of_parts(const std::vector<int>& count)
+{
+  std::vector<int> begin(count.size() + 1, 0);
+  for (std::size_t r = 0; r < count.size(); ++r)
+  {
+    const long long end = begin[r] + static_cast<long long>(count[r]);
+    if (count[r] < 0 || end > std::numeric_limits<int>::max())
+      throw std::length_error("a message between ranks is too long; run with more ranks");
+    begin[r + 1] = static_cast<int>(end);
+  }
+  return begin;
+}
+
 /// Sends to_rank[r] to rank r; returns what each rank sent here. Collective; T must be trivially copyable.
 template <typename T>
 std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector<T>>& to_rank,
@@ -62,22 +97,21 @@ std::vector<std::vector<T>> exchange_between_ranks(const std::vector<std::vector
   const int size = size_of(communicator);
   if (size == 1)
     return to_rank;
-  std::vector<int> send_count(size), receive_count(size), send_begin(size + 1, 0), receive_begin(size + 1, 0);
+  std::vector<int> send_count(size), receive_count(size);
   for (int r = 0; r < size; ++r)
-    send_count[r] = static_cast<int>(to_rank[r].size() * sizeof(T));
+    send_count[r] = static_cast<int>(to_rank[r].size());
   MPI_Alltoall(send_count.data(), 1, MPI_INT, receive_count.data(), 1, MPI_INT, communicator);
-  std::partial_sum(send_count.begin(), send_count.end(), send_begin.begin() + 1);
-  std::partial_sum(receive_count.begin(), receive_count.end(), receive_begin.begin() + 1);
-  std::vector<T> send, receive(receive_begin[size] / sizeof(T));
-  send.reserve(send_begin[size] / sizeof(T));
+  const std::vector<int> send_begin = begin_of_parts(send_count), receive_begin = begin_of_parts(receive_count);
+  std::vector<T> send, receive(receive_begin[size]);
+  send.reserve(send_begin[size]);
   for (const auto& part : to_rank)
     send.insert(send.end(), part.begin(), part.end());
-  MPI_Alltoallv(send.data(), send_count.data(), send_begin.data(), MPI_BYTE, receive.data(), receive_count.data(),
-                receive_begin.data(), MPI_BYTE, communicator);
+  const PlainType type(sizeof(T));
+  MPI_Alltoallv(send.data(), send_count.data(), send_begin.data(), type.get(), receive.data(), receive_count.data(),
+                receive_begin.data(), type.get(), communicator);
   std::vector<std::vector<T>> from_rank(size);
   for (int r = 0; r < size; ++r)
-    from_rank[r].assign(receive.begin() + receive_begin[r] / sizeof(T),
-                        receive.begin() + receive_begin[r + 1] / sizeof(T));
+    from_rank[r].assign(receive.begin() + receive_begin[r], receive.begin() + receive_begin[r + 1]);
   return from_rank;
 }
 

@@ -86,12 +86,13 @@ enum class Feature
 
 struct ClosestPoint
 {
-  double gap;              ///< signed distance, m; negative inside
-  Eigen::Vector3d point;   ///< on the surface, m
-  Eigen::Vector3d normal;  ///< unit, outwards: d gap / d x
-  Feature feature;         ///< where the point lies
-  Eigen::Vector3d tangent; ///< unit direction of the edge where feature is edge, else zero
-  unsigned int triangle;   ///< one triangle that holds the point
+  double gap;                    ///< signed distance, m; negative inside
+  Eigen::Vector3d point;         ///< on the surface, m
+  Eigen::Vector3d normal;        ///< unit, outwards: d gap / d x
+  Feature feature;               ///< where the point lies
+  Eigen::Vector3d tangent;       ///< unit direction of the edge where feature is edge, else zero
+  unsigned int triangle;         ///< one triangle that holds the point
+  Eigen::Vector3d pseudo_normal; ///< unit, of the face, edge or vertex itself: for x that is hardly off it
 };
 
 /// Result of the last query for one point. It speeds up the next one, because the signed distance changes by no more

@@ -68,10 +68,15 @@ public:
   /// bonded surfaces that are nearer than half a particle's size where they are.
   void take_reference_gaps(const RigidSystems& bodies);
 
-  /// Goes back to the multipliers that the step started with.
+  /// Goes back to the multipliers, tangential forces and planes that the step started with.
   void reset_multipliers();
-  /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones.
+  /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones. From
+  /// then on the surface is the plane that touches it where it was closest in that evaluation: the aim is a distance of
+  /// zero, where the normal at an edge or a vertex is any.
   void augment(double factor);
+  /// Takes the tangential forces of the last evaluation for those from which the next one starts: friction follows the
+  /// path within a step.
+  void follow_path();
   /// How far corners of the last evaluation that press and are not bonded are from touching, over the tolerance; below
   /// 1 augment() has nothing left to do, as always without multipliers. Collective.
   double excess() const;
@@ -163,18 +168,21 @@ private:
     History committed, trial;
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
-    KnownDistance known;         ///< in the body's frame
-    std::optional<ClosestPoint> bonding_plane; ///< bonded: of the corner at the start of the step, in the body's frame
+    Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
+    Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
+    KnownDistance known;                                  ///< in the body's frame
+    bool on_plane = false;                                ///< a plane stands for the surface
+    ClosestPoint plane; ///< that touches the surface, with the gap of the corner at the start of the step; in the
+                        ///< body's frame
     bool active = false;
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
   Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
-  /// Where a bonded corner is against the tangent plane of the surface at the start of the step; `slip` is its motion
-  /// since then in the body's frame, m.
-  static std::optional<ClosestPoint> closest_on_bonding_plane(Pair& pair, const Surface& surface, const Pose& before,
-                                                              const Eigen::Vector3d& slip);
+  /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
+  static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,
+                                                  const Eigen::Vector3d& x, double distance);
   /// Forces and trial history of a pair at its position, its body having moved.
   void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
 

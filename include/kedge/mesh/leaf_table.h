@@ -58,6 +58,13 @@ template <int dim> struct LeafTable
   /// cell, except on the upper boundary of the grid.
   int find_leaf(const std::array<double, dim>& x) const;
 
+  /// The half-widths (m) of a box around x that reach no farther than through the neighbours of the owned leaf that
+  /// holds x: each is cut to the distance from x to the nearer face of that leaf plus the edge of the smallest
+  /// neighbour. What lies behind neighbours is known to one rank and not to the next, so boxes that reach there would
+  /// give results that depend on the ranks.
+  std::array<double, dim> within_neighbours(unsigned int leaf, const std::array<double, dim>& x,
+                                            const std::array<double, dim>& half_width) const;
+
   /// Appends the leaves whose interior meets the open box (lower, upper), in tree order.
   void find_leaves(const std::array<double, dim>& lower, const std::array<double, dim>& upper,
                    std::vector<unsigned int>& found) const;

@@ -14,14 +14,13 @@ struct HopelessParticles
 
 /// Removes distorted and isolated particles.
 ///
-/// Distorted: an entry that is not finite, a domain without extent, or det F outside [0.1, 10]. Soil without any voids
-/// has 1 / (1 + e0) of its volume, a quarter for a void ratio of 3, and a tenfold volume has no contacts left. Shear
-/// is no reason, however large: in soil that flows around a body F grows without bound, and the stress does not depend
-/// on F.
+/// Distorted: an entry that is not finite, a domain without extent, det F below 0.1, or an elastic volume outside [0.1,
+/// 10] of the initial one. Soil without any voids has 1 / (1 + e0) of its volume, a quarter for a void ratio of 3. Soil
+/// that opens without stress is no reason: F is bounded at a tenfold volume as it is committed. Nor is shear, however
+/// large: in soil that flows around a body F grows without bound, and the stress does not depend on F.
 ///
 /// Isolated: active, and no other sound active particle's domain reaches into its cell or a cell across one of that
-/// cell's faces. Such a particle hangs on nodes of its own, without stiffness but its own. Domains must not reach
-/// beyond the cells next to those of their rank, which split particles never do.
+/// cell's faces. Such a particle hangs on nodes of its own, without stiffness but its own.
 ///
 /// Collective. Domains of particles that wait for splitting count as they are.
 template <int dim>

@@ -11,6 +11,14 @@
 
 namespace kedge
 {
+/// A particle on its way to a rank that is not a neighbour.
+template <int dim> struct Stray
+{
+  std::array<double, dim> position; ///< m
+  long long id;
+  std::array<double, field::count> data;
+};
+
 /// Particles in cells outside the mesh's window wait: the handler keeps them as they are, the arrays do not know them.
 ///
 /// The arrays follow the handler and the mesh by themselves: what is read after a change is filled anew first, which
@@ -30,7 +38,10 @@ public:
   /// Per particle of this rank: what the kernels know of it, centre and half-widths of its domain (m), number, leaf.
   const ParticleArrays& arrays() const { return fresh().arrays; }
   const std::vector<std::array<double, dim>>& positions() const { return fresh().centre; }
+  /// No domain reaches beyond the neighbours of its cell: LeafTable::within_neighbours.
   const std::vector<std::array<double, dim>>& half_widths() const { return fresh().half_width; }
+  /// Particles of this rank whose domain would reach beyond, and is cut.
+  long long n_cut() const { return fresh().n_cut; }
   const std::vector<unsigned int>& leaves() const { return fresh().leaf; }
   const std::vector<long long>& ids() const { return fresh().id; }
   /// In the same order: centres at the start of the run (m), taken from the handler.
@@ -57,7 +68,7 @@ public:
   long long remove_if(const std::function<bool(const Accessor&)>& condition);
 
   long long n_global() const { return particles.n_global_particles(); }
-  /// Particles that left the grid, or moved past the neighbours of their rank's cells in one step, and were dropped.
+  /// Particles that left the grid and were dropped.
   long long n_lost() const { return lost; }
 
   /// Bytes that the particles of this rank take, in deal.II's handler and in the arrays.
@@ -77,6 +88,7 @@ private:
     std::vector<std::array<double, dim>> centre, half_width;
     std::vector<unsigned int> leaf;
     std::vector<long long> id;
+    long long n_cut = 0;
     unsigned long change = 0, mesh_version = 0;
   };
 
@@ -88,6 +100,8 @@ private:
   /// so that a run that was restarted goes on bit for bit.
   std::vector<Place> sort_active() const;
   std::vector<double> cell_work(double cost) const;
+  std::vector<Stray<dim>> take_out_strays();
+  void bring_in(const std::vector<Stray<dim>>& strays);
 
   BackgroundMesh<dim>& mesh;
   Handler particles;

@@ -42,6 +42,8 @@ public:
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
+  /// Warns once where domains of this rank, `here`, or another one's are cut as ParticleSet::n_cut says. Collective.
+  void warn_of_cut_domains(long long here, unsigned int step);
   /// `cells` hold soil; `particle_bytes` and `basis_bytes` are what this rank's particles and stencils take.
   /// Collective.
   void end_stage(const StepSummary& state, long long cells, double particle_bytes, double basis_bytes);
@@ -61,5 +63,6 @@ private:
   RunSummary earlier;           ///< times of the run that this one goes on from
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
+  bool has_warned_of_cut_domains = false;
 };
 } // namespace kedge

@@ -30,7 +30,7 @@ private:
   double wanted_size(const std::array<double, dim>& corner, double size) const;
   std::vector<unsigned char> find_soil() const;
   std::vector<double> find_largest_sizes() const;
-  void change_cells();
+  bool change_cells();
 
   BackgroundMesh<dim>& mesh;
   ParticleSet<dim>& particles;

@@ -202,3 +202,52 @@ TYPED_TEST(LeafTables, NameEachTrueNodeOnceOverAllRanks)
   for (const auto& place : hanging)
     EXPECT_EQ(id_at.count(place), 0u);
 }
+
+TYPED_TEST(LeafTables, KeepBoxesWithinTheNeighboursOfTheirLeaf)
+{
+  constexpr int dim = TypeParam::value;
+  using Point = std::array<double, dim>;
+  const LeafTable<dim>& table = this->table();
+  test::RankRandom random(7);
+  long long n_cut = 0;
+  for (unsigned int n = 0; n < 3000; ++n)
+  {
+    const Point x = this->random_point(random);
+    const int number = table.find_leaf(x);
+    if (number < 0 || !table.leaves[number].owned)
+      continue;
+    const auto& leaf = table.leaves[number];
+    Point half, lower, upper;
+    for (unsigned int d = 0; d < dim; ++d)
+      half[d] = random(0.1, 1.5) * leaf.size;
+    const Point result = table.within_neighbours(number, x, half);
+    n_cut += result != half;
+    double volume = 1., known = 0.;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      ASSERT_GE(result[d], std::min(half[d], 0.5 * leaf.size));
+      ASSERT_LE(result[d], half[d]);
+      lower[d] = std::max(table.lower_end(d), x[d] - result[d]);
+      upper[d] = std::min(table.upper_end(d), x[d] + result[d]);
+      volume *= upper[d] - lower[d];
+    }
+    std::vector<unsigned int> found;
+    table.find_leaves(lower, upper, found);
+    for (const unsigned int other : found)
+    {
+      const auto& neighbour = table.leaves[other];
+      double overlap = 1.;
+      bool touches = true;
+      for (unsigned int d = 0; d < dim; ++d)
+      {
+        const double begin = neighbour.lower[d], end = neighbour.lower[d] + neighbour.size;
+        overlap *= std::min(upper[d], end) - std::max(lower[d], begin);
+        touches = touches && begin < leaf.lower[d] + leaf.size + 1e-12 && end > leaf.lower[d] - 1e-12;
+      }
+      ASSERT_TRUE(touches || overlap < 1e-12 * volume); // but for round-off
+      known += overlap;
+    }
+    ASSERT_NEAR(known, volume, 1e-12 * volume);
+  }
+  EXPECT_GT(sum_over_ranks(n_cut, MPI_COMM_WORLD), 100);
+}
