@@ -22,8 +22,8 @@ BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<V
 }
 
 /// The contact law lives in the body's frame: the force turns with the body and depends on where the soil point is in
-/// that frame alone. With K = d f / d x, r the arm and w the spin, a rate of the body changes f by -K v + (K [r] - [f])
-/// w.
+/// that frame alone, and on the way of the body, with which its reference gap fades. With K = d f / d x, r the arm and
+/// w the spin, a rate of the body changes f by -K v + (K [r] - [f]) w.
 template <int dim>
 ContactCoupling Contact<dim>::coupling(const RigidSystems& committed, const std::vector<Vector6>& increments) const
 {
@@ -34,12 +34,17 @@ ContactCoupling Contact<dim>::coupling(const RigidSystems& committed, const std:
     if (!pair.active)
       continue;
     const unsigned int body = committed.surfaces[pair.key.surface].point;
-    const Eigen::Matrix3d arm = skew(pair.position - committed.points[body].pose.moved(increments[body]).position);
+    const Eigen::Vector3d origin = committed.points[body].pose.moved(increments[body]).position;
+    const Eigen::Matrix3d arm = skew(pair.position - origin);
     const Eigen::Matrix3d force = skew(pair.force);
     ContactCoupling::Entry entry;
     entry.contact_point = pair.point;
     entry.rigid_point = body;
     entry.force_by_body << -pair.tangent, pair.tangent * arm - force;
+    // the tangent by the normal is the derivative by the gap, and less that the one by the reference gap
+    Eigen::Matrix<double, 1, 6> reference_by_body;
+    reference_by_body << pair.fading.transpose(), -pair.fading.transpose() * skew(pair.carried - origin);
+    entry.force_by_body -= pair.tangent * pair.normal * reference_by_body;
     entry.load_by_soil << -pair.tangent, force - arm * pair.tangent;
     // the load is -(f, r x f), and r changes with the body, too
     Eigen::Matrix<double, 6, 6>& load = result.load_by_body[body];

@@ -100,6 +100,18 @@ std::optional<ClosestPoint> Contact<dim>::find_closest(Pair& pair, const Surface
   return closest;
 }
 
+/// Lets the true surface come to meet the soil while the body moves; `carried` is where the body takes the place of the
+/// corner's start, m.
+template <int dim> void Contact<dim>::fade(Pair& pair, const Eigen::Vector3d& carried)
+{
+  const double first = pair.committed.reference_gap, distance = (carried - pair.start).norm();
+  const double side = first < 0. ? 1. : -1.;
+  pair.carried = carried;
+  pair.reference_gap = side * std::min(0., side * first + fading_per_distance * distance);
+  if (pair.reference_gap != 0. && distance > 0.)
+    pair.fading = side * fading_per_distance / distance * (carried - pair.start);
+}
+
 template <int dim>
 void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const
 {
@@ -107,6 +119,7 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   pair.active = false;
   pair.force.setZero();
   pair.gap = std::numeric_limits<double>::infinity();
+  pair.fading.setZero();
   pair.trial = History();
   pair.proposed = pair.augmented;
   pair.proposed.multiplier = 0.;
@@ -114,8 +127,12 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
 
   const bool bonded = pair.committed.bonded;
   const Eigen::Vector3d x = now.to_body(pair.position);
-  pair.slip = x - before.to_body(pair.start);
-  const double held_off = pair.augmented.multiplier / pair.stiffness.normal; // up to where the multiplier presses
+  pair.slip = x - before.to_body(pair.start); // as the body sees it
+  pair.reference_gap = pair.committed.reference_gap;
+  if (!bonded)
+    fade(pair, now.to_world(before.to_body(pair.start)));
+  // up to where the multiplier and the reference press
+  const double held_off = pair.augmented.multiplier / pair.stiffness.normal + std::max(0., pair.reference_gap);
   const auto closest = find_closest(pair, surface, before, x, held_off);
   if (!closest)
     return;
@@ -125,20 +142,10 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
     pair.plane = *closest;
     pair.plane.gap -= closest->normal.dot(pair.slip);
   }
-  if (bonded) // it stays where it was when it was bonded
-    pair.trial.reference_gap = pair.committed.reference_gap;
-  else
-  {
-    // a corner that comes out of its first penetration finds the true surface when it returns; while its body moves,
-    // the surface comes to meet it
-    const double distance = (now.to_world(before.to_body(pair.start)) - pair.start).norm();
-    pair.trial.reference_gap =
-        std::min(0., std::max(pair.committed.reference_gap + fading_per_distance * distance, closest->gap));
-  }
 
   ContactGeometry at;
   at.distance = closest->gap;
-  at.gap = closest->gap - pair.committed.reference_gap;
+  at.gap = closest->gap - pair.reference_gap;
   at.normal = now.direction_to_world(closest->normal);
   const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
   at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
@@ -149,7 +156,12 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   pair.active = response.active;
   pair.force = response.force;
   pair.tangent = response.tangent;
+  pair.normal = at.normal;
   pair.trial.tangential = response.tangential;
+  pair.trial.pressure = response.active ? response.force.dot(at.normal) : 0.;
+  // a corner that comes out of its first penetration finds the true surface when it returns
+  pair.trial.reference_gap =
+      response.active ? pair.reference_gap : std::min(0., std::max(pair.reference_gap, closest->gap));
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && parameters.method == ContactMethod::augmented_lagrangian)
   {
@@ -200,8 +212,8 @@ template <int dim> double Contact<dim>::excess() const
   if (parameters.method == ContactMethod::augmented_lagrangian)
     for (const Pair& pair : pairs)
       if (pair.active && !pair.committed.bonded)
-        worst = std::max(worst, std::abs(pair.gap - pair.committed.reference_gap) /
-                                    (parameters.penetration_tolerance * pair.size));
+        worst =
+            std::max(worst, std::abs(pair.gap - pair.reference_gap) / (parameters.penetration_tolerance * pair.size));
   return max_over_ranks(worst, communicator);
 }
 
@@ -236,7 +248,7 @@ template <int dim> double Contact<dim>::deepest_penetration() const
   double deepest = 0.;
   for (const Pair& pair : pairs)
     if (pair.active)
-      deepest = std::max(deepest, pair.committed.reference_gap - pair.gap);
+      deepest = std::max(deepest, pair.reference_gap - pair.gap);
   return max_over_ranks(deepest, communicator);
 }
 

@@ -7,7 +7,7 @@ namespace kedge
 {
 template <int dim> void Contact<dim>::commit()
 {
-  history.clear();
+  history = waiting;
   for (const Pair& pair : pairs)
     if (pair.active || pair.trial.reference_gap < 0.)
       history[pair.key] = pair.trial;
@@ -15,9 +15,12 @@ template <int dim> void Contact<dim>::commit()
 
 template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
 {
-  if (size_of(communicator) == 1)
-    return;
-  const std::unordered_set<long long> here(ids.begin(), ids.end());
+  std::unordered_set<long long> touched, here;
+  for (const auto& entry : history)
+    touched.insert(entry.first.particle);
+  for (const long long id : ids)
+    if (size_of(communicator) > 1 || touched.count(id))
+      here.insert(id);
   std::vector<ContactRecord> leaving;
   for (auto entry = history.begin(); entry != history.end();)
     if (here.count(entry->first.particle))
@@ -35,8 +38,8 @@ template <int dim> void Contact<dim>::follow_particles(const std::vector<long lo
 template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)
 {
   const Eigen::Vector3d& t = state.tangential;
-  return {key.particle,        key.corner,       key.surface, {t[0], t[1], t[2]},
-          state.reference_gap, state.multiplier, state.bonded};
+  return {key.particle,        key.corner,       key.surface,  {t[0], t[1], t[2]},
+          state.reference_gap, state.multiplier, state.bonded, state.pressure};
 }
 
 template <int dim> void Contact<dim>::enter(const ContactRecord& record)
@@ -46,6 +49,7 @@ template <int dim> void Contact<dim>::enter(const ContactRecord& record)
   state.reference_gap = record.reference_gap;
   state.multiplier = record.multiplier;
   state.bonded = record.bonded != 0;
+  state.pressure = record.pressure;
 }
 
 template <int dim> std::vector<ContactRecord> Contact<dim>::export_history() const

@@ -1,69 +1,167 @@
+// What becomes of the history of a particle that splits.
 #include <algorithm>
+#include <kedge/base/world_axes.h>
 #include <kedge/contact/contact.h>
-#include <set>
+#include <limits>
 
 namespace kedge
 {
 namespace
 {
-/// Multilinear share of a parent's corner at the corner of its child in an octant.
-template <int dim>
-double share_of_corner(const unsigned int parent_corner, const unsigned int octant, const unsigned int child_corner)
+/// Gaps that differ by less are equal, in sizes of the particle.
+constexpr double same_gap = 1e-6;
+
+/// Places of the corners of a particle's children: 0, 1 or 2 halves of its edge along each axis.
+template <int dim> constexpr unsigned int n_places = dim == 3 ? 27 : 9;
+
+/// Number of the place where a child's corner lies.
+template <int dim> unsigned int place_of(const unsigned int octant, const unsigned int corner)
 {
+  unsigned int place = 0;
+  for (unsigned int d = dim; d-- > 0;)
+    place = 3 * place + ((octant >> d) & 1u) + ((corner >> d) & 1u);
+  return place;
+}
+
+/// Where a place is from the lower corner of the parent, in halves of its edges.
+template <int dim> std::array<unsigned int, dim> halves(unsigned int place)
+{
+  std::array<unsigned int, dim> result;
+  for (unsigned int& half : result)
+  {
+    half = place % 3;
+    place /= 3;
+  }
+  return result;
+}
+
+/// Multilinear function of a parent's corner at a place.
+template <int dim> double share_of_corner(const unsigned int parent_corner, const unsigned int place)
+{
+  const std::array<unsigned int, dim> at = halves<dim>(place);
   double share = 1.;
   for (unsigned int d = 0; d < dim; ++d)
-  {
-    const double along = 0.5 * (((octant >> d) & 1u) + ((child_corner >> d) & 1u));
-    share *= (parent_corner >> d) & 1u ? along : 1. - along;
-  }
+    share *= (parent_corner >> d) & 1u ? 0.5 * at[d] : 1. - 0.5 * at[d];
   return share;
+}
+
+template <int dim>
+std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const Surface& surface, const Pose& pose)
+{
+  std::array<double, n_places<dim>> gaps;
+  for (unsigned int place = 0; place < gaps.size(); ++place)
+  {
+    const std::array<unsigned int, dim> at = halves<dim>(place);
+    std::array<double, dim> x = split.centre;
+    for (unsigned int d = 0; d < dim; ++d)
+      x[d] += (at[d] - 1.) * split.half_width[d];
+    gaps[place] = surface.closest_point(pose.to_body(to_world<dim>(x))).gap;
+  }
+  return gaps;
 }
 } // namespace
 
-template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits)
+template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies)
 {
-  constexpr unsigned int n = 1u << dim;
-  constexpr double area_share = 2. / n;
   for (const Split<dim>& split : splits)
   {
     const auto first = history.lower_bound({split.parent, 0, 0}), last = history.lower_bound({split.parent + 1, 0, 0});
     const std::map<Key, History> of_parent(first, last);
     history.erase(first, last);
-    std::set<std::uint32_t> surfaces;
-    for (const auto& entry : of_parent)
-      surfaces.insert(entry.first.surface);
-    for (const std::uint32_t surface : surfaces)
-      for (unsigned int octant = 0; octant < n; ++octant)
-        for (std::uint32_t corner = 0; corner < n; ++corner)
-        {
-          History inherited;
-          double known = 0., bonded = 0.;
-          unsigned int n_contributing = 0;
-          for (std::uint32_t from = 0; from < n; ++from)
-          {
-            const auto entry = of_parent.find({split.parent, from, surface});
-            if (entry == of_parent.end())
-              continue;
-            const double share = share_of_corner<dim>(from, octant, corner);
-            known += share;
-            bonded += entry->second.bonded ? share : 0.;
-            n_contributing += share > 0.;
-            inherited.tangential += area_share * share * entry->second.tangential;
-            inherited.multiplier += area_share * share * entry->second.multiplier;
-            inherited.reference_gap += share * entry->second.reference_gap;
-          }
-          if (known == 0.)
-            continue;
-          inherited.reference_gap /= known;
-          // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
-          inherited.bonded = bonded == 1. && n_contributing < n;
-          if (!inherited.bonded) // what only presses does so no sooner than at the surface
-            inherited.reference_gap = std::min(0., inherited.reference_gap);
-          history[{split.children[octant], corner, surface}] = inherited;
-        }
+    double radius = 0.;
+    for (const double half : split.half_width)
+      radius += half;
+    for (std::uint32_t surface = 0; surface < bodies.surfaces.size(); ++surface)
+    {
+      const WeldedSurface& welded = bodies.surfaces[surface];
+      const Eigen::Vector3d centre = bodies.points[welded.point].pose.to_body(to_world<dim>(split.centre));
+      const bool is_known = std::any_of(of_parent.begin(), of_parent.end(),
+                                        [&](const auto& entry) { return entry.first.surface == surface; });
+      if (is_known ||
+          (!welded.surface.surely_farther_than(centre, radius) && welded.surface.closest_point_within(centre, radius)))
+        inherit(split, surface, of_parent, bodies);
+    }
   }
 }
 
-template void Contact<2>::inherit(const std::vector<Split<2>>&);
-template void Contact<3>::inherit(const std::vector<Split<3>>&);
+template <int dim>
+void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
+                           const std::map<Key, History>& of_parent, const RigidSystems& bodies)
+{
+  constexpr unsigned int n = 1u << dim;
+  const WeldedSurface& welded = bodies.surfaces[surface];
+  const std::array<double, n_places<dim>> gap =
+      gaps_at_places<dim>(split, welded.surface, bodies.points[welded.point].pose);
+  std::array<const History*, n> parent;
+  double farthest = -std::numeric_limits<double>::infinity(); // gap of the parent's corners that press
+  for (std::uint32_t from = 0; from < n; ++from)
+  {
+    const auto entry = of_parent.find({split.parent, from, surface});
+    parent[from] = entry == of_parent.end() ? nullptr : &entry->second;
+    if (parent[from] != nullptr && parent[from]->pressure > 0.)
+      farthest = std::max(farthest, gap[place_of<dim>(from, from)]);
+  }
+  farthest += same_gap * split.half_width[0];
+
+  std::array<bool, n_places<dim>> bonded, presses;
+  std::array<std::optional<History>, n_places<dim>> at_place; // all but forces
+  for (unsigned int place = 0; place < n_places<dim>; ++place)
+  {
+    double known = 0., bonded_share = 0., reference_gap = 0.;
+    unsigned int n_contributing = 0;
+    for (std::uint32_t from = 0; from < n; ++from)
+    {
+      const double share = share_of_corner<dim>(from, place);
+      if (parent[from] == nullptr || share == 0.)
+        continue;
+      ++n_contributing;
+      known += share;
+      bonded_share += parent[from]->bonded ? share : 0.;
+      reference_gap += share * parent[from]->reference_gap;
+    }
+    // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
+    bonded[place] = bonded_share == 1. && n_contributing < n;
+    presses[place] = gap[place] <= farthest;
+    presses[place] = presses[place] && known > 0.;
+    if (known == 0. && !(gap[place] < 0.))
+      continue;
+    History& state = at_place[place].emplace();
+    state.bonded = bonded[place];
+    if (state.bonded || presses[place])
+      state.reference_gap = reference_gap / known;
+    else // pushes no sooner than at the surface, nor at once
+      state.reference_gap = std::min(0., gap[place]);
+  }
+
+  // what each of the parent's corners hands to all corners of the children at a place
+  std::array<double, n> sum{};
+  const auto carries = [&](const std::uint32_t from, const unsigned int place)
+  { return parent[from] != nullptr && (parent[from]->bonded ? bonded[place] : presses[place]); };
+  for (unsigned int octant = 0; octant < n; ++octant)
+    for (std::uint32_t corner = 0; corner < n; ++corner)
+      for (std::uint32_t from = 0; from < n; ++from)
+        if (const unsigned int place = place_of<dim>(octant, corner); carries(from, place))
+          sum[from] += share_of_corner<dim>(from, place);
+
+  for (unsigned int octant = 0; octant < n; ++octant)
+    for (std::uint32_t corner = 0; corner < n; ++corner)
+    {
+      const unsigned int place = place_of<dim>(octant, corner);
+      if (!at_place[place])
+        continue;
+      History inherited = *at_place[place];
+      for (std::uint32_t from = 0; from < n; ++from)
+        if (carries(from, place) && sum[from] > 0.)
+        {
+          const double share = share_of_corner<dim>(from, place) / sum[from];
+          inherited.pressure += share * parent[from]->pressure;
+          inherited.multiplier += share * parent[from]->multiplier;
+          inherited.tangential += share * parent[from]->tangential;
+        }
+      history[{split.children[octant], corner, surface}] = inherited;
+    }
+}
+
+template void Contact<2>::inherit(const std::vector<Split<2>>&, const RigidSystems&);
+template void Contact<3>::inherit(const std::vector<Split<3>>&, const RigidSystems&);
 } // namespace kedge

@@ -1,9 +1,11 @@
 // Which corners may meet which surfaces in a step, where they hang on the nodes, and what their springs are like.
 #include <algorithm>
 #include <cmath>
+#include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/basis/active_nodes.h>
 #include <kedge/contact/contact.h>
+#include <limits>
 
 namespace kedge
 {
@@ -16,6 +18,9 @@ constexpr double nudge = 1e-6;
 /// distance of the first row of particles from a face along the axes, one corner of each column lies nearer. Less than
 /// a half by round-off: of two corners on either side of a face only one counts.
 constexpr double bonding_distance = 0.5 - 1e-6;
+
+/// How far from a surface a reference gap may wander, in sizes of the particle. Beyond, the box counts.
+constexpr double farthest_reference = 0.25;
 
 /// Springs and limits of a corner that stands for its share of a face of its particle (m3, in 2-D m2; young: Pa).
 template <int dim>
@@ -83,6 +88,21 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
 }
 } // namespace
 
+template <int dim> void Contact<dim>::settle(Pair& pair, const RigidSystems& bodies)
+{
+  const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+  History& state = pair.committed;
+  const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
+  const bool carries = state.pressure != 0. || state.bonded;
+  const double first = state.reference_gap, limit = farthest_reference * pair.size;
+  const auto closest = welded.surface.closest_point_within(x, carries ? std::numeric_limits<double>::max() : 0.);
+  if (!closest)
+    return;
+  const double balancing = carries ? closest->gap + (state.pressure - state.multiplier) / pair.stiffness.normal
+                                   : std::min(first, closest->gap);
+  state.reference_gap = std::clamp(balancing, std::min(first, -limit), std::max(first, limit));
+}
+
 template <int dim>
 void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table,
                               const ContactParticles<dim>& particles, const std::vector<unsigned int>& number,
@@ -90,12 +110,17 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
 {
   pairs.clear();
   points = PointForces();
+  waiting = history;
+  // what is found inside a body for the first time has come there with its box, between two steps
+  const bool contact_goes_on = sum_over_ranks(static_cast<long long>(history.size()), communicator) > 0;
   std::vector<InterfaceParameters> interfaces;
   for (const WeldedSurface& welded : bodies.surfaces)
     interfaces.push_back(welded.interface.or_else(parameters.interface));
 
   for (std::size_t p = 0; p < particles.centre.size(); ++p)
   {
+    if (!waiting.empty())
+      waiting.erase(waiting.lower_bound({particles.id[p], 0, 0}), waiting.lower_bound({particles.id[p] + 1, 0, 0}));
     // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
     double radius = reach;
     for (const double half : particles.half_width[p])
@@ -122,8 +147,11 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
             make_stiffness<dim>(parameters, interfaces[s], particles.initial_volume[p], particles.young[p]);
         pair.bonds = interfaces[s].bonded.value_or(false);
         pair.size = std::pow(particles.initial_volume[p], 1. / dim);
-        if (const auto entry = history.find(pair.key); entry != history.end())
+        const auto entry = history.find(pair.key);
+        if (entry != history.end())
           pair.committed = entry->second;
+        if (entry != history.end() || contact_goes_on)
+          settle(pair, bodies);
         pair.trial = pair.augmented = pair.committed;
         pairs.push_back(pair);
       }
@@ -135,8 +163,10 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
 
 template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
 {
+  history.clear(); // what cells were fitted for held soil that the bodies have replaced
   for (Pair& pair : pairs)
   {
+    pair.committed = pair.trial = pair.augmented = History();
     const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
     const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
     const auto closest = welded.surface.closest_point_within(x, pair.bonds ? bonding_distance * pair.size : 0.);

@@ -180,9 +180,10 @@ template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reade
                        {value[0], value[1], value[2]},
                        value[3],
                        value[4],
-                       value[5] != 0.});
+                       value[5] != 0.,
+                       value[6]});
   }
-  soil.contact.import_history(records, soil.particles.ids());
+  soil.contact.import_history(records, all_ids(soil.particles));
 }
 
 void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)

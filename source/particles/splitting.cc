@@ -81,7 +81,7 @@ public:
       : particles(particles_.edit()),
         mesh(mesh_),
         communicator(mesh.triangulation().get_communicator()),
-        widest(std::sqrt(2.) / points_per_axis),
+        largest(std::pow(std::sqrt(2.) / points_per_axis, dim)),
         next_number(particles.get_next_free_particle_index())
   {
   }
@@ -108,7 +108,10 @@ private:
 
   bool fits(const double* data, const double cell_size) const
   {
-    return !(domain_width<dim>(data) > widest * cell_size);
+    double allowed = largest;
+    for (unsigned int d = 0; d < dim; ++d)
+      allowed *= cell_size;
+    return !(domain_volume<dim>(data) > allowed);
   }
 
   /// Copies the particles that are too wide for their cells to `waiting`; returns where they are.
@@ -152,7 +155,8 @@ private:
     std::vector<std::vector<Split<dim>>> by_origin(size_of(communicator));
     for (const Piece<dim>& parent : parents)
     {
-      Split<dim> split{parent.id, {{parent.id}}};
+      Split<dim> split{parent.id, {{parent.id}}, parent.position, {}};
+      std::copy_n(&parent.data[field::half_width], dim, split.half_width.begin());
       const long long place = std::lower_bound(numbers.begin(), numbers.end(), parent.id) - numbers.begin();
       std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * place);
       by_origin[parent.origin].push_back(split);
@@ -193,7 +197,7 @@ private:
   Handler& particles;
   const BackgroundMesh<dim>& mesh;
   MPI_Comm communicator;
-  double widest; ///< width over cell size up to which a particle fits
+  double largest; ///< volume over that of its cell up to which a particle fits
   long long next_number;
   std::vector<Piece<dim>> waiting, fitting;
   std::vector<Split<dim>> splits;

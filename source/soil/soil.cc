@@ -99,7 +99,7 @@ template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adapt
   {
     if (pass == Pass::cells)
     {
-      contacts.inherit(split_particles(points, grid, given.points_per_axis));
+      contacts.inherit(split_particles(points, grid, given.points_per_axis), bodies);
       balance_where_it_pays();
     }
     follow_particles();
@@ -153,6 +153,17 @@ template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, cons
   follow_particles();
 }
 
+template <int dim> void Soil<dim>::follow_particles() { contacts.follow_particles(all_ids(points)); }
+
+template <int dim> std::vector<long long> all_ids(const ParticleSet<dim>& particles)
+{
+  std::vector<long long> ids;
+  ids.reserve(particles.handler().n_locally_owned_particles());
+  for (const auto& particle : particles.handler())
+    ids.push_back(particle.get_id());
+  return ids;
+}
+
 template <int dim> Extent<dim> extent_of(const RigidSystems& bodies)
 {
   const auto box = world_bounds(bodies);
@@ -167,6 +178,8 @@ template <int dim> Extent<dim> extent_of(const RigidSystems& bodies)
 
 template class Soil<2>;
 template class Soil<3>;
+template std::vector<long long> all_ids<2>(const ParticleSet<2>&);
+template std::vector<long long> all_ids<3>(const ParticleSet<3>&);
 template Extent<2> extent_of<2>(const RigidSystems&);
 template Extent<3> extent_of<3>(const RigidSystems&);
 } // namespace kedge

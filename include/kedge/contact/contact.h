@@ -43,9 +43,10 @@ struct ContactRecord
   std::int64_t particle;
   std::uint32_t corner, surface;
   double tangential[3]; ///< N, world axes
-  double reference_gap; ///< m; above 0 only where bonded
+  double reference_gap; ///< m
   double multiplier;    ///< of the normal force, N; 0 with penalties alone
   std::uint64_t bonded; ///< 1: also carries tension, 0: does not
+  double pressure = 0.; ///< normal force on the soil, N; below 0 only where bonded
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
@@ -54,13 +55,17 @@ struct ContactRecord
 /// start, until corners neither penetrate nor hold off (Uzawa's iteration; Simo & Laursen 1992,
 /// doi 10.1016/0045-7949(92)90540-G). Within a step the pairs are fixed; their committed history is kept per (particle,
 /// corner, surface) and follows particles from rank to rank.
+///
+/// Boxes do not deform as the soil does: after a step a corner of the box is not where the soil's motion has taken it.
+/// The gap that a spring refers to makes up for this, and for the stiffness of a child's springs after a split: a step
+/// starts from the forces that the last one has left. While a body moves, the reference fades.
 template <int dim> class Contact
 {
 public:
   Contact(const ContactParameters& parameters, MPI_Comm communicator);
 
   /// Finds the corners that could touch a body during the next step and their nodes. `reach` is how far beyond its own
-  /// size a particle is looked at, m. `number` maps leaf-table nodes to active ones.
+  /// size a particle is looked at, m. Collective. `number` maps leaf-table nodes to active ones.
   void find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table, const ContactParticles<dim>& particles,
                   const std::vector<unsigned int>& number, double reach);
 
@@ -106,14 +111,17 @@ public:
   void commit();
 
   /// Gives the history of split particles to their children. A child's corner is bonded where all corners of the
-  /// parent's edge or face that it lies on are. Tractions are interpolated between the parent's corners,
-  /// where corners without history carry none, so that the sum of the forces is kept. Reference gaps are
-  /// interpolated between the corners that have one alone: too deep a reference pushes nothing and finds the true gap
-  /// in the next step, one that is not deep enough would push at once. Soil does this
-  /// before particles change ranks: a split is known to the rank that held the parent.
-  void inherit(const std::vector<Split<dim>>& splits);
+  /// parent's edge or face that it lies on are. The normal and tangential force of each of the parent's corners goes
+  /// to those of the children's corners around it that can carry it: bonded ones where it is bonded, else those no
+  /// farther from the surface than the parent's, in proportion to the multilinear function of the parent's corner. So
+  /// the sum of the forces is kept, and on a face that the parent's corners touch the traction is interpolated.
+  /// Reference gaps of those are interpolated between the corners that have one. Other corners inside a body push
+  /// nothing. Soil does this before particles change ranks: a split is known to the rank that held the parent. `bodies`
+  /// as they stand.
+  void inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies);
 
-  /// Hands the history to the ranks that hold the particles now, `ids` on this one. Collective.
+  /// Hands the history to the ranks that hold the particles now, `ids` on this one, waiting ones among them; that of
+  /// particles which no rank holds is forgotten. Collective.
   void follow_particles(const std::vector<long long>& ids);
 
   /// The committed history that this rank keeps, by particle, corner and surface.
@@ -150,9 +158,10 @@ private:
   struct History
   {
     Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
-    double reference_gap = 0.;                            ///< m; above 0 only where bonded
+    double reference_gap = 0.;                            ///< m
     double multiplier = 0.;                               ///< of the normal force, N
     bool bonded = false;                                  ///< also carries tension
+    double pressure = 0.;                                 ///< normal force, N; below 0 only where bonded
   };
   static ContactRecord to_record(const Key& key, const History& state);
   void enter(const ContactRecord& record);
@@ -168,7 +177,11 @@ private:
     History committed, trial;
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
-    Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
+    double reference_gap = 0.;   ///< in the last evaluation: faded
+    Eigen::Vector3d fading = Eigen::Vector3d::Zero();  ///< d reference gap / d place of the body
+    Eigen::Vector3d carried = Eigen::Vector3d::Zero(); ///< the corner's start, moved with the body, m
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< out of the body, in the last evaluation
+    Eigen::Vector3d slip = Eigen::Vector3d::Zero();    ///< in the last evaluation, in the body's frame, m
     Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
     KnownDistance known;                                  ///< in the body's frame
     bool on_plane = false;                                ///< a plane stands for the surface
@@ -179,10 +192,16 @@ private:
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
+  /// Chooses the reference gap with which the pair presses at the start of the step as it did at the end of the last.
+  static void settle(Pair& pair, const RigidSystems& bodies);
+  /// The history of a parent's corners against one surface goes to its children.
+  void inherit(const Split<dim>& split, std::uint32_t surface, const std::map<Key, History>& of_parent,
+               const RigidSystems& bodies);
   Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
   /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
   static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,
                                                   const Eigen::Vector3d& x, double distance);
+  static void fade(Pair& pair, const Eigen::Vector3d& carried);
   /// Forces and trial history of a pair at its position, its body having moved.
   void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
 
@@ -191,6 +210,7 @@ private:
   std::vector<Pair> pairs;
   PointForces points;
   std::map<Key, History> history;
+  std::map<Key, History> waiting; ///< that of particles that the last search did not see: outside the window
   std::vector<Touch> touching;
 };
 } // namespace kedge

@@ -9,7 +9,8 @@ namespace kedge
 template <int dim> struct Split
 {
   long long parent;
-  std::array<long long, 1u << dim> children; ///< by octant: bit d is set in the upper half along axis d
+  std::array<long long, 1u << dim> children;  ///< by octant: bit d is set in the upper half along axis d
+  std::array<double, dim> centre, half_width; ///< of the parent, m
 };
 
 /// Splits every particle whose width, the geometric mean of its domain's edges, exceeds sqrt(2) * cell size /

@@ -86,7 +86,7 @@ private:
   void set_window(const Window<dim>& window, const BoundaryTrack& track);
   bool balance_where_it_pays();
   void merge();
-  void follow_particles() { contacts.follow_particles(points.ids()); }
+  void follow_particles();
 
   MaterialPointParameters given;
   BackgroundMesh<dim> grid;
@@ -99,6 +99,9 @@ private:
 
 /// A material point's work in a step relative to that of an empty cell, for the partition.
 constexpr double particle_cost = 20.;
+
+/// Numbers of all particles of this rank, those that wait outside the window too.
+template <int dim> std::vector<long long> all_ids(const ParticleSet<dim>& particles);
 
 /// Bounds of all surfaces as they stand, along the axes of the mesh.
 template <int dim> Extent<dim> extent_of(const RigidSystems& bodies);

@@ -1,5 +1,6 @@
 #include "pressed_block.h"
 #include <gtest/gtest.h>
+#include <set>
 
 using namespace kedge;
 
@@ -200,6 +201,60 @@ TYPED_TEST(PressedBox, HistoryGoesThroughPlainRecords)
   EXPECT_EQ(other.load(), block.load());
 }
 
+TYPED_TEST(PressedBox, StartsFromTheForcesOfTheLastStep)
+{
+  // the soil is compressed and turns, its boxes are not: their corners end up elsewhere than the soil
+  constexpr int dim = TypeParam::value;
+  typename TestFixture::Block block(0.3, 4e-3);
+  block.find_pairs();
+  const auto field = [](const std::array<double, dim>& x, const unsigned int d)
+  { return d == dim - 1 ? -3e-3 * x[d] + 2e-3 * (x[0] - 1.) : 1e-3 * x[0]; };
+  block.evaluate(field);
+  const Vector6 before = block.load();
+  ASSERT_GT(before[2], 0.);
+  block.contact.commit();
+  std::map<long long, std::array<double, dim>> places;
+  for (std::size_t p = 0; p < block.particles.ids().size(); ++p)
+    places[block.particles.ids()[p]] = block.particles.positions()[p];
+  block.move([&](const long long id, const unsigned int d) { return field(places[id], d); });
+  block.contact.follow_particles(block.particles.ids());
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_LT((block.load() - before).template head<3>().norm(), 1e-9 * before.norm());
+}
+
+TYPED_TEST(PressedBox, RemembersParticlesThatWaitOutsideTheWindow)
+{
+  typename TestFixture::Block block(0.5, 1e-3);
+  block.find_pairs();
+  block.evaluate([](const auto&, const unsigned int d) { return d == 0 ? 0.4e-3 : 0.; });
+  block.contact.commit();
+  const auto keys = [&]
+  {
+    std::multiset<long long> of_particles;
+    for (const ContactRecord& record : block.contact.export_history())
+      of_particles.insert(record.particle);
+    return of_particles;
+  };
+  const auto before = keys();
+  Window<TypeParam::value> window = block.mesh.leaves().window;
+  const auto whole = window;
+  window.upper[0] = 2; // half of the soil waits
+  block.mesh.set_window(window);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  block.contact.commit();
+  std::vector<long long> all;
+  for (const auto& particle : block.particles.handler())
+    all.push_back(particle.get_id());
+  block.contact.follow_particles(all);
+  EXPECT_EQ(keys(), before);
+  block.mesh.set_window(whole);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_EQ(block.contact.n_active(), block.n_corners());
+}
+
 TEST(PressedBoxInSpace, FrictionTurnsWithTheBox)
 {
   // soil and box turn together about the vertical axis through the box's point
@@ -235,7 +290,7 @@ TYPED_TEST(PressedBox, BuriedBoxPushesOnlyBeyondItsFirstPlace)
   EXPECT_EQ(block.contact.n_active(), 0);
   const auto rest = [](const auto&, unsigned int) { return 0.; };
   block.evaluate(rest, test::translation(0., 0., -1e-3));
-  const double expected = block.n_corners() * block.normal_stiffness() * 1e-3;
+  const double expected = block.n_corners() * block.normal_stiffness() * 1.25e-3; // the reference fades by a quarter
   EXPECT_NEAR(block.load()[2], expected, 1e-9 * expected);
 }
 
@@ -248,7 +303,7 @@ TYPED_TEST(PressedBox, BuriedBoxFindsTheTrueSurfaceOnItsReturn)
   for (const double lift : {1.5e-2, -0.5e-2}) // out to 5 mm of penetration, then back to 10 mm
   {
     block.evaluate(rest, test::translation(0., 0., lift));
-    const double pressing = lift > 0. ? 0. : 5e-3;
+    const double pressing = lift > 0. ? 0. : 1.25 * 5e-3; // the reference fades by a quarter of the distance
     const double expected = block.n_corners() * block.normal_stiffness() * pressing;
     EXPECT_NEAR(block.load()[2], expected, 1e-9 * block.n_corners() * block.normal_stiffness());
     block.contact.commit();
@@ -264,7 +319,8 @@ TYPED_TEST(PressedBox, BuriedBoxMeetsTheSoilAsItMovesAlong)
   block.contact.take_reference_gaps(block.bodies);
   const auto along = [](const auto&, const unsigned int d) { return d == 0 ? 1e-2 : 0.; };
   block.evaluate(along, test::translation(1e-2, 0., 0.)); // box and soil together
-  EXPECT_EQ(block.load().norm(), 0.);
+  const double expected = block.n_corners() * block.normal_stiffness() * 0.25 * 1e-2;
+  EXPECT_NEAR(block.load()[2], expected, 1e-9 * expected);
   block.contact.commit();
   std::size_t n_buried = 0;
   for (const ContactRecord& record : block.contact.export_history())

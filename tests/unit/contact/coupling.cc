@@ -126,6 +126,28 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
   compare_by_the_body(block, motion<TypeParam::value>());
 }
 
+TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBodyWhileReferencesFade)
+{
+  // below and above the surface
+  for (const double compressed : {5e-3, 2e-2})
+  {
+    test::PressedBlock<TypeParam::value> block(0.4, 0.01);
+    std::vector<ContactRecord> records;
+    block.find_pairs(0.1);
+    block.evaluate_at_rest();
+    block.contact.commit();
+    for (ContactRecord record : block.contact.export_history())
+    {
+      record.pressure = compressed * block.normal_stiffness();
+      records.push_back(record);
+    }
+    block.contact.import_history(records, block.particles.ids());
+    block.find_pairs(0.1);
+    compare_by_the_body(block, motion<TypeParam::value>());
+    compare_by_the_soil(block, motion<TypeParam::value>());
+  }
+}
+
 TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
 {
   test::PressedBlock<TypeParam::value> block(0.4, 0.01);

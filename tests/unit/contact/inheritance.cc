@@ -16,7 +16,7 @@ public:
   static void split(Block& block, const unsigned int times = 1)
   {
     block.contact.commit();
-    block.contact.inherit(split_particles(block.particles, block.mesh, 2u << times));
+    block.contact.inherit(split_particles(block.particles, block.mesh, 2u << times), block.bodies);
     block.contact.follow_particles(block.particles.ids());
     block.find_pairs();
     block.evaluate_at_rest();
@@ -71,5 +71,72 @@ TYPED_TEST(SplitContact, DoesNotScaleReferenceGaps)
   block.evaluate_at_rest();
   TestFixture::split(block);
   block.evaluate([](const auto&, unsigned int) { return 0.; }, test::translation(0., 0., -1e-3));
-  EXPECT_NEAR(block.contact.deepest_penetration(), 1e-3, 1e-12);
+  EXPECT_NEAR(block.contact.deepest_penetration(), 1.25e-3, 1e-12); // it fades by a quarter of the distance
+}
+
+TYPED_TEST(SplitContact, KeepsTheNormalForceAndItsMoment)
+{
+  // a box that covers the surface, one whose ends lie between corners, a turned one
+  for (const double half_length : {1.2, 0.6, 0.7})
+    for (const unsigned int times : {1u, 2u})
+    {
+      typename TestFixture::Block block(0.5, 1e-3, half_length);
+      if (half_length == 0.7)
+        block.bodies.points[0].pose = block.bodies.points[0].pose.moved(test::tilt(1e-3));
+      block.find_pairs();
+      block.evaluate_at_rest();
+      const Vector6 before = block.load();
+      ASSERT_GT(before[2], 0.);
+      TestFixture::split(block, times);
+      EXPECT_NEAR(block.load()[2], before[2], 1e-12 * before[2]);
+      EXPECT_LT((block.load() - before).norm(), (half_length == 0.7 ? 1e-2 : 1e-12) * before.norm());
+    }
+}
+
+TYPED_TEST(SplitContact, KeepsMultipliersInSum)
+{
+  typename TestFixture::Block block(0., 1e-3, 1.2);
+  ContactParameters parameters = TestFixture::Block::contact_parameters(0.);
+  parameters.method = ContactMethod::augmented_lagrangian;
+  block.contact = std::decay_t<decltype(block.contact)>(parameters, MPI_COMM_WORLD);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  block.contact.augment(1.);
+  block.evaluate_at_rest();
+  const double before = block.load()[2];
+  TestFixture::split(block);
+  EXPECT_NEAR(block.load()[2], before, 1e-12 * before);
+}
+
+TYPED_TEST(SplitContact, KeepsTheForceOfABondThatPulls)
+{
+  typename TestFixture::Block block(0.5, 1e-3, 1.2);
+  block.bodies.surfaces[0].interface.bonded = true;
+  block.find_pairs();
+  block.evaluate_at_rest();
+  block.contact.commit();
+  block.find_pairs();
+  const Vector6 rise = test::translation(0., 0., 3e-3);
+  block.evaluate([](const auto&, unsigned int) { return 0.; }, rise);
+  const double before = block.load()[2];
+  ASSERT_LT(before, 0.);
+  block.contact.commit();
+  block.bodies.points[0].pose = block.bodies.points[0].pose.moved(rise);
+  block.contact.inherit(split_particles(block.particles, block.mesh, 4), block.bodies);
+  block.contact.follow_particles(block.particles.ids());
+  block.find_pairs();
+  block.evaluate_at_rest();
+  EXPECT_NEAR(block.load()[2], before, -1e-12 * before);
+}
+
+TYPED_TEST(SplitContact, LetsASharpBodyInsideAParticlePushNothingAtOnce)
+{
+  // a blade of 0.1 m between the corners of the parents, which lie 0.25 m apart, but over those of their children
+  typename TestFixture::Block block(0., 0.01, 0.05);
+  block.bodies.points[0].pose.position[0] = 1.125;
+  block.find_pairs();
+  block.evaluate_at_rest();
+  ASSERT_EQ(block.contact.n_active(), 0);
+  TestFixture::split(block);
+  EXPECT_EQ(block.contact.n_active(), 0);
 }

@@ -50,7 +50,7 @@ public:
 
   static void split(Block& block)
   {
-    block.contact.inherit(split_particles(block.particles, block.mesh, 4));
+    block.contact.inherit(split_particles(block.particles, block.mesh, 4), block.bodies);
     block.contact.follow_particles(block.particles.ids());
     block.find_pairs(0.1);
   }
@@ -323,7 +323,7 @@ TYPED_TEST(Interface, SplittingDoesNotBondTheParentsCentre)
     for (std::uint32_t corner = 0; corner < 1u << dim; ++corner)
       records.push_back({block.particles.ids()[0], corner, 0, {0., 0., 0.}, 0., 0., 1});
   block.contact.import_history(records, block.particles.ids());
-  block.contact.inherit(split_particles(block.particles, block.mesh, 4));
+  block.contact.inherit(split_particles(block.particles, block.mesh, 4), block.bodies);
   constexpr std::uint32_t n = 1u << dim;
   long long bonded = 0;
   for (const ContactRecord& record : block.contact.export_history())

@@ -109,4 +109,12 @@ inline Vector6 translation(const double x, const double y, const double z)
   increment.head<3>() << x, y, z;
   return increment;
 }
+
+/// Rotation about y, rad.
+inline Vector6 tilt(const double angle)
+{
+  Vector6 increment = Vector6::Zero();
+  increment[4] = angle;
+  return increment;
+}
 } // namespace kedge::test

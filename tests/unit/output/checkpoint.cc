@@ -155,8 +155,8 @@ TYPED_TEST(Checkpoint, RestoredRunContinuesLikeTheFirst)
   const auto go_on = [](const SoilParts<dim>& soil)
   {
     soil.particles.carry_through([&] { soil.mesh.triangulation().refine_global(1); });
-    soil.contact.inherit(split_particles(soil.particles, soil.mesh, 2)); // new numbers follow the largest
-    soil.contact.follow_particles(soil.particles.ids());
+    soil.contact.inherit(split_particles(soil.particles, soil.mesh, 2), {}); // new numbers follow the largest
+    soil.contact.follow_particles(all_ids(soil.particles));
   };
   go_on(run.soil.parts());
   go_on(restored.soil.parts());
