@@ -103,6 +103,22 @@ double extent_of_surfaces(const RigidSystems& systems, const unsigned int dim)
   return diagonal.norm();
 }
 
+double largest_prescribed_motion(const RigidSystems& systems)
+{
+  double largest = 0.;
+  for (const WeldedSurface& welded : systems.surfaces)
+  {
+    const RigidPoint& point = systems.points[welded.point];
+    const Vector6 increment = point.prescribed_increment(1.);
+    if (increment.isZero(0.))
+      continue;
+    const Pose end = point.pose.moved(increment);
+    for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
+      largest = std::max(largest, (end.to_world(vertex) - point.pose.to_world(vertex)).norm());
+  }
+  return largest;
+}
+
 bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
                           const double distance)
 {

@@ -24,7 +24,7 @@ double round_down_to_level(const double size, const double finest)
 template <int dim>
 GridLayout<dim> make_grid_layout(const double base, const std::vector<double>& sizes,
                                  const std::array<double, dim - 1>& footprint, const double soil_thickness,
-                                 const unsigned int particles_per_axis)
+                                 const unsigned int particles_per_axis, const std::array<double, dim>& extent)
 {
   GridLayout<dim> grid;
   grid.finest_size = base;
@@ -33,19 +33,21 @@ GridLayout<dim> make_grid_layout(const double base, const std::vector<double>& s
   grid.base_size = round_down_to_level(base, grid.finest_size);
   for (unsigned int axis = 0; axis < dim - 1; ++axis)
   {
-    grid.base_cells[axis] = count_rounded_up(footprint[axis], grid.base_size);
-    grid.soil_extent[axis] = grid.extent(axis);
+    const unsigned int soil_cells = count_rounded_up(footprint[axis], grid.base_size);
+    grid.soil_extent[axis] = grid.base_size * soil_cells;
+    grid.base_cells[axis] = std::max(soil_cells, count_rounded_up(extent[axis], grid.base_size));
   }
   const double row = grid.base_size / particles_per_axis;
   grid.soil_extent[dim - 1] = row * count_rounded_up(soil_thickness, row);
-  grid.base_cells[dim - 1] = count_rounded_up(2. * grid.soil_extent[dim - 1], grid.base_size);
+  const double top = extent[dim - 1] > 0. ? extent[dim - 1] : 2. * grid.soil_extent[dim - 1];
+  grid.base_cells[dim - 1] = count_rounded_up(std::max(top, grid.soil_extent[dim - 1]), grid.base_size);
   return grid;
 }
 
 template struct GridLayout<2>;
 template struct GridLayout<3>;
 template GridLayout<2> make_grid_layout<2>(double, const std::vector<double>&, const std::array<double, 1>&, double,
-                                           unsigned int);
+                                           unsigned int, const std::array<double, 2>&);
 template GridLayout<3> make_grid_layout<3>(double, const std::vector<double>&, const std::array<double, 2>&, double,
-                                           unsigned int);
+                                           unsigned int, const std::array<double, 3>&);
 } // namespace kedge

@@ -103,6 +103,15 @@ std::vector<double> finer_sizes(const Adaptivity& adaptivity)
   return sizes;
 }
 
+double cell_size_at_surfaces(const Adaptivity& adaptivity, const double base_size)
+{
+  double size = base_size;
+  if (adaptivity.type == AdaptivityType::rigid_body_surface)
+    while (size > adaptivity.element_size * (1. + 1e-9))
+      size *= 0.5;
+  return size;
+}
+
 Section<BoundaryConditions> boundary_conditions_section()
 {
   using P = BoundaryConditions;

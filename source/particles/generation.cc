@@ -132,7 +132,9 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
   const unsigned int n = parameters.points_per_axis;
   Block<dim> block{parameters, grid.base_size / n, grid.soil_extent[dim - 1], {}, {}};
   for (unsigned int d = 0; d < dim - 1; ++d)
-    block.per_axis[d] = static_cast<long long>(grid.base_cells[d]) * n;
+    block.per_axis[d] = (grid.soil_extent[d] > 0. ? std::llround(grid.soil_extent[d] / grid.base_size)
+                                                  : static_cast<long long>(grid.base_cells[d])) *
+                        n;
   for (const Layer& layer : parameters.layers)
     block.materials.push_back(make_material(layer.material));
   const std::vector<ParticleRow> rows = make_rows(block.spacing, block.height, parameters.layers, gravity);
@@ -152,6 +154,11 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
       continue;
     const dealii::Point<dim> corner = cell->vertex(0);
     const double size = cell->extent_in_direction(0);
+    bool is_beside = false; // the soil
+    for (unsigned int d = 0; d < dim - 1; ++d)
+      is_beside = is_beside || corner[d] + 0.5 * size > block.per_axis[d] * block.spacing;
+    if (is_beside)
+      continue;
     for (std::size_t r = 0; r < rows.size(); ++r)
     {
       const double middle = 0.5 * (rows[r].bottom + rows[r].top);

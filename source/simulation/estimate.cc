@@ -1,3 +1,4 @@
+#include "step_limit.h"
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -38,9 +39,10 @@ template <int dim> Contents count_base_cells(const Input& input)
   contents.nodes = contents.cells + 1.;
   for (unsigned int d = 0; d < dim - 1; ++d)
   {
-    contents.particles *= static_cast<double>(grid.base_cells[d]) * soil.points_per_axis;
-    contents.cells *= grid.base_cells[d];
-    contents.nodes *= grid.base_cells[d] + 1.;
+    const double cells = std::round(grid.soil_extent[d] / grid.base_size);
+    contents.particles *= cells * soil.points_per_axis;
+    contents.cells *= cells;
+    contents.nodes *= cells + 1.;
   }
   return contents;
 }
@@ -153,12 +155,10 @@ template <int dim> std::vector<Contents> count_contents(const Input& input, cons
   return contents;
 }
 
-/// Of an explicit stage, from the layer with the fastest waves in cells of regular shape.
-double count_time_steps(const Input& input, const Stage& stage)
+/// Of an explicit stage, from the layer with the fastest waves in cells of regular shape, s.
+double estimate_critical_time_step(const Input& input, const Stage& stage)
 {
   const SteppingParameters& stepping = stage.stepping;
-  if (stepping.dt > 0.)
-    return stepping.final_time / stepping.dt;
   const double base = input.material_points.element_size;
   const double size = is_refined(stage) ? finest_size(stage.adaptivity, base) : base;
   double fastest = 0.;
@@ -166,8 +166,15 @@ double count_time_steps(const Input& input, const Stage& stage)
     fastest = std::max(fastest, layer.material.young / (1. - 2. * std::min(layer.material.poisson, 0.499)) /
                                     layer.material.density);
   // two points per axis see |grad S|^2 / S of 16/3 over the cell's size squared, as largest_squared_frequency adds up
-  const double critical = 2. * size / std::sqrt(16. / 3. * fastest / stepping.mass_scaling);
-  return stepping.final_time / (stepping.cfl * critical);
+  return 2. * size / std::sqrt(16. / 3. * fastest / stepping.mass_scaling);
+}
+/// In how many steps a requested one is made.
+unsigned int count_parts(const Input& input, const Stage& stage)
+{
+  RigidSystems bodies = make_rigid_systems(input.systems, input.dimension);
+  apply_conditions(bodies, input.systems, stage.point_conditions, input.dimension);
+  const double base = input.dimension == 2 ? make_grid_layout<2>(input).base_size : make_grid_layout<3>(input).base_size;
+  return find_step_limit(stage, bodies, base).n_parts;
 }
 } // namespace
 
@@ -183,10 +190,14 @@ std::vector<StageEstimate> estimate_cost(const Input& input, const double most_p
     stage.dofs = input.dimension * contents[i].nodes;
     stage.particles = contents[i].particles;
     stage.counting_stopped = contents[i].counting_stopped;
-    stage.steps = count_steps(input.stages[i].stepping);
+    stage.steps = count_steps(input.stages[i].stepping) * count_parts(input, input.stages[i]);
     stage.memory = bytes_of_program + bytes_per_particle * stage.particles + bytes_per_dof * stage.dofs;
-    if (input.stages[i].stepping.type == StageType::explicit_)
-      stage.seconds = count_time_steps(input, input.stages[i]) * seconds_per_time_step * stage.particles;
+    if (const SteppingParameters& stepping = input.stages[i].stepping; stepping.type == StageType::explicit_)
+    {
+      const double critical = stage.critical_time_step = estimate_critical_time_step(input, input.stages[i]);
+      const double dt = stepping.dt > 0. ? std::min(stepping.dt, critical) : stepping.cfl * critical;
+      stage.seconds = stepping.final_time / dt * seconds_per_time_step * stage.particles;
+    }
     else
       stage.seconds =
           stage.steps * newton_iterations * (seconds_per_particle * stage.particles + seconds_per_dof * stage.dofs);
@@ -208,6 +219,16 @@ std::string format_estimate(const Input& input, const std::vector<StageEstimate>
                         : stage.seconds < 3600. ? fmt::format("{:.0f} min", stage.seconds / 60.)
                                                 : fmt::format("{:.1f} h", stage.seconds / 3600.));
   }
+  for (std::size_t i = 0; i < stages.size(); ++i)
+    if (const double critical = stages[i].critical_time_step; critical > 0.)
+    {
+      const SteppingParameters& stepping = input.stages[i].stepping;
+      text += fmt::format("stage {}: critical time step about {:.2g} s, less where contact is stiffer than the soil; {}\n",
+                          i + 1, critical,
+                          stepping.dt > critical ? fmt::format("\"dt\", {:.2g} s, is cut to it", stepping.dt)
+                          : stepping.dt > 0.     ? fmt::format("given {:.2g} s", stepping.dt)
+                                                 : fmt::format("{:.2g} of it is taken", stepping.cfl));
+    }
   for (std::size_t i = 0; i < stages.size(); ++i)
     if (stages[i].counting_stopped)
       text += fmt::format("stage {} costs more than that: its refined cells are too many to count here\n", i + 1);

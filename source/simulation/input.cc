@@ -9,6 +9,7 @@
 #include <kedge/parameters/section.h>
 #include <kedge/particles/expressions.h>
 #include <kedge/simulation/input.h>
+#include <limits>
 #include <sstream>
 
 namespace kedge
@@ -37,6 +38,14 @@ Section<Stage> stage_section()
                 "The bodies are buried from the start of the stage; the soil inside them is left out")
       .unused_for(bodies, off);
   section
+      .optional("largest motion", &Stage::largest_motion,
+                number_or("off", std::numeric_limits<double>::infinity(), number("-", positive())),
+                "Largest distance that a surface may go in one step as its point is prescribed, over the size of the "
+                "cells at the surfaces: longer steps are made in 2, 4, 8 ... smaller ones, with a warning. Resistance "
+                "is too high by about as much as the steps are long: by 3 to 14 % with a tenth of a cell, 13 to 50 % "
+                "with two fifths. \"off\": steps are made as given")
+      .unused_for(bodies, off);
+  section
       .optional("rigid body boundary conditions", &Stage::point_conditions,
                 list_of(object_of(point_conditions_section())), "Conditions of points in this stage alone")
       .unused_for(bodies, off);
@@ -50,9 +59,14 @@ Section<Stage> stage_section()
 Section<Input> domain_section()
 {
   Section<Input> section("The grid and gravity");
-  section.ignored("size", "Not read: the grid ends where the soil does, and has as much empty space above it");
+  section.ignored("size", "Not read: \"extent\" is the size of the grid");
+  section.optional(
+      "extent", [](Input& input, const std::array<double, 3>& read) { input.grid_extent = read; },
+      vector("m", positive()),
+      "Upper corner of the grid, rounded up to whole base cells: room for soil that slides or collapses. Without it the "
+      "grid ends where the soil does, and has as much empty space above it");
   section.required("gravity", &Input::gravity, vector("m/s2"),
-                   "Acceleration of gravity; not zero, but where there is a body force");
+                   "Acceleration of gravity; with \"tolerance\" not zero, but where there is a body force");
   section.optional("body force", &Input::body_force, expression_along_axes("m/s2", present_variables),
                    "Acceleration of the soil in addition to gravity; bodies do not feel it. X, Y, Z is the initial and "
                    "x, y, z the present position of a material point as a step begins (explicit: a basis step), t the "

@@ -33,11 +33,29 @@ double point_spacing(const Input& input)
   return base / input.material_points.points_per_axis;
 }
 
+void check_extent(const Input& input, const Place& root)
+{
+  if (input.grid_extent == std::array<double, 3>{})
+    return;
+  std::array<double, 3> soil{};
+  const unsigned int vertical = input.dimension - 1;
+  std::copy_n(input.material_points.plan_extent.begin(), vertical, soil.begin());
+  for (const Layer& layer : input.material_points.layers)
+    soil[vertical] += layer.thickness;
+  for (unsigned int axis = 0; axis <= vertical; ++axis)
+    if (input.grid_extent[axis] < soil[axis] * (1. - 1e-9))
+      root.key("domain").key("extent").entry(axis).fail("the grid, " + shown(input.grid_extent[axis]) +
+                                                            " m, is smaller than the soil, " + shown(soil[axis]) + " m",
+                                                        "enlarge it, or leave \"extent\" out");
+}
+
 void check_soil(const Input& input, const Place& root)
 {
-  if (input.gravity == std::array<double, 3>{} && input.body_force.empty())
-    root.key("domain").key("gravity").fail("gravity is zero, but convergence is measured by the soil's weight",
-                                           "give it a direction, for example [0, 0, -9.81], or add a \"body force\"");
+  check_extent(input, root);
+  if (input.gravity == std::array<double, 3>{} && input.body_force.empty() && input.solver.measures_by_weight())
+    root.key("domain").key("gravity").fail(
+        "gravity is zero, but \"tolerance\" measures convergence by the soil's weight",
+        "give it a direction, for example [0, 0, -9.81], add a \"body force\", or leave \"tolerance\" out");
   const double spacing = point_spacing(input);
   const Place layers = root.key("material points").key("layers");
   for (std::size_t i = 0; i < input.material_points.layers.size(); ++i)

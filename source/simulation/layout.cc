@@ -15,7 +15,9 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
   double thickness = 0.;
   for (const Layer& layer : soil.layers)
     thickness += layer.thickness;
-  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis);
+  std::array<double, dim> extent;
+  std::copy_n(input.grid_extent.begin(), dim, extent.begin());
+  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis, extent);
 }
 
 template GridLayout<2> make_grid_layout<2>(const Input&);

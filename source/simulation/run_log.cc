@@ -33,6 +33,7 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
 void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies)
 {
   StageSummary stage;
+  told_time_step = warned_of_time_step = false;
   step_length = kedge::step_length(stepping);
   stage.type = name_of(stepping.type);
   for (const RigidPoint& point : bodies.points)
@@ -57,6 +58,23 @@ void RunLog::resume(const SteppingParameters& stepping, const std::string& text,
   for (unsigned int stage = 0; stage < stage_number; ++stage)
     deleted_before += summary.stages[stage].deleted;
   write("running");
+}
+
+void RunLog::tell_time_step(const SteppingParameters& stepping, const double critical)
+{
+  const std::size_t stage = summary.stages.size();
+  if (!told_time_step)
+    terminal.line(fmt::format("stage {}: critical time step {:.3g} s, {} {:.3g} s", stage, critical,
+                              stepping.dt > 0. ? "given" : "taken",
+                              stepping.dt > 0. ? stepping.dt : stepping.cfl * critical));
+  if (stepping.dt > critical && !warned_of_time_step)
+  {
+    terminal.warn(fmt::format("stage {}: \"dt\", {:.3g} s, is longer than the critical time step, {:.3g} s, and time "
+                              "steps are made no longer than that",
+                              stage, stepping.dt, critical));
+    warned_of_time_step = true;
+  }
+  told_time_step = true;
 }
 
 void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)

@@ -1,3 +1,4 @@
+#include "step_limit.h"
 #include <algorithm>
 #include <fmt/format.h>
 #include <kedge/base/world_axes.h>
@@ -80,6 +81,29 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
     }
 }
 
+/// Where a body goes too far in a step for the cells at it.
+template <int dim>
+void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, std::vector<std::string>& warnings)
+{
+  RigidSystems bodies = make_rigid_systems(input.systems, dim); // with the conditions of one stage after the other
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+  {
+    const Stage& stage = input.stages[i];
+    apply_conditions(bodies, input.systems, stage.point_conditions, dim);
+    const StepLimit limit = find_step_limit(stage, bodies, grid.base_size);
+    const double in_cells = limit.in_cells();
+    const std::string motion =
+        fmt::format("stage {} moves a body by {:.3g} m in a step, {:.2g} of the cells of {:.3g} m at it", i + 1,
+                    limit.motion, in_cells, limit.cell_size);
+    if (limit.n_parts > 1)
+      warnings.push_back(fmt::format("{}: each step is made in {} smaller ones, because \"largest motion\" is {:.3g} "
+                                     "cells; resistance grows with the length of the steps",
+                                     motion, limit.n_parts, stage.largest_motion));
+    else if (stage.rigid_bodies && in_cells > Stage().largest_motion * (1. + round_off))
+      warnings.push_back(motion + ": resistance grows with the length of the steps, so make them shorter");
+  }
+}
+
 template <int dim> std::vector<std::string> find_warnings(const Input& input, const RigidSystems& bodies)
 {
   const GridLayout<dim> grid = make_grid_layout<dim>(input);
@@ -89,6 +113,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
         "base cells are {:.4g} m instead of the {:.4g} m requested: the base size must be the smallest size of "
         "any stage, {:.4g} m, times a power of two",
         grid.base_size, input.material_points.element_size, grid.finest_size));
+  add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);
   for (std::size_t i = 0; i < input.stages.size(); ++i)

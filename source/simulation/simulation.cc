@@ -1,3 +1,5 @@
+#include "failure_hint.h"
+#include "step_limit.h"
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -13,18 +15,12 @@
 #include <kedge/soil/placement.h>
 #include <kedge/steps/explicit_step.h>
 #include <kedge/steps/implicit_step.h>
-#include <numeric>
 #include <optional>
 
 namespace kedge
 {
 namespace
 {
-double magnitude(const std::array<double, 3>& x)
-{
-  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.));
-}
-
 /// By layer, the state variables that its law uses.
 std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)
 {
@@ -47,6 +43,7 @@ private:
   void begin_stage(unsigned int number);
   void bury_bodies();
   bool run_stage();
+  void limit_steps(Clock& clock);
   NewtonReport attempt_step(const Clock& clock);
   void prepare_step();
   void move_window();
@@ -113,7 +110,7 @@ template <int dim> void Simulation<dim>::generate(const RunOptions& options)
                     write_text_file(copy, input.effective_json);
                 });
   const auto scope = log.timings().measure("generation");
-  soil.generate(magnitude(input.gravity));
+  soil.generate(Eigen::Map<const Eigen::Vector3d>(input.gravity.data()).norm());
 }
 
 template <int dim> void Simulation<dim>::resume()
@@ -191,6 +188,7 @@ template <int dim> bool Simulation<dim>::run_stage()
   if (resumed)
     clock.resume(*resumed);
   resumed.reset();
+  limit_steps(clock);
   while (!clock.at_end())
   {
     const NewtonReport report = attempt_step(clock);
@@ -215,6 +213,17 @@ template <int dim> bool Simulation<dim>::run_stage()
       give_up(clock, report);
   }
   return true;
+}
+
+/// Steps in which bodies go too far for the cells at them give too much resistance, or the bodies go through the soil.
+template <int dim> void Simulation<dim>::limit_steps(Clock& clock)
+{
+  const StepLimit limit = find_step_limit(*stage, bodies, soil.mesh().layout().base_size);
+  if (clock.keep_below(limit.fraction))
+    return;
+  NewtonReport nothing;
+  nothing.failure = refusal_of(limit, *stage, input.solver.minimum_step_fraction);
+  give_up(clock, nothing);
 }
 
 /// Goes to the end of a step without committing anything; what was prepared survives a cut. Gives up where the
@@ -285,7 +294,11 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
   const StepContext<dim> context{input.gravity, input.basis, input.solver,  *stage,
                                  soil,          bodies,      log.timings(), body_force ? &*body_force : nullptr};
   if (stage->stepping.type == StageType::explicit_)
-    return std::make_unique<ExplicitStep<dim>>(context);
+  {
+    auto explicit_step = std::make_unique<ExplicitStep<dim>>(context);
+    log.tell_time_step(stage->stepping, explicit_step->critical_time_step());
+    return explicit_step;
+  }
   return std::make_unique<ImplicitStep<dim>>(context);
 }
 
@@ -361,19 +374,12 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
     write_output(clock, true);
     write_restart_file(clock);
   }
+  ResidualPlace residual;
+  if (step && !newton.residuals.empty())
+    residual = step->find_residual();
   end_stage();
   log.finish("failed: " + newton.failure);
-  const std::string place =
-      fmt::format("stage {}, step {} of {}", stage_number + 1, clock.steps_done() + 1., clock.requested_steps());
-  if (newton.residuals.empty())
-    throw SolverError(fmt::format("{}: {}", place, newton.failure));
-  throw SolverError(
-      fmt::format(
-          "{}: {} even with a step cut to {:.3g} of the requested one.\n"
-          "Residual over the soil's weight: {}\n"
-          "Smaller load steps, a finer mesh at the body, a little cohesion or a larger \"ghost factor\" may help.",
-          place, newton.failure, clock.step_fraction(), format_residuals(newton)),
-      newton.residuals);
+  throw SolverError(describe_failure(input, stage_number, clock, newton, residual), newton.residuals);
 }
 
 template <int dim> void Simulation<dim>::end_stage()

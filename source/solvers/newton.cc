@@ -134,18 +134,22 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
 {
   NewtonReport report;
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
-  double measure = problem.residual(x, residual);
+  const double target = parameters.target();
+  // What residuals are compared with may follow the solution, but never within a line search.
+  const auto renewed = [&](const double measured)
+  { return problem.renew_measure && std::isfinite(measured) ? problem.renew_measure(residual) : measured; };
+  double measure = renewed(problem.residual(x, residual));
   report.residuals.push_back(measure);
   double linear_tolerance = loosest, damping = 0., lowest = measure;
   unsigned int without_progress = 0;
-  while (!(measure < parameters.tolerance))
+  while (!(measure < target))
   {
     report.failure = reason_to_give_up(report, measure, without_progress, parameters);
     if (!report.failure.empty())
       return report;
 
     // The direction. A system that is too soft for the linear solver is damped and solved again.
-    linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, parameters.tolerance);
+    linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, target);
     const LinearReport linear = problem.solve(x, residual, dx, {linear_tolerance, damping});
     ++report.iterations;
     report.krylov_iterations += linear.iterations;
@@ -179,9 +183,9 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
                          : halve_step(at, step, highest);
     damping = adapt_damping(damping, {0., measure, work}, step);
     // The last point at which the search evaluated the residual is the one that it returns.
-    measure = step.measure;
     Tpetra::deep_copy(x, trial);
     Tpetra::deep_copy(residual, trial_residual);
+    measure = renewed(step.measure);
     report.residuals.push_back(measure);
     const bool gained = measure < progress * lowest;
     without_progress = gained ? 0 : without_progress + 1;

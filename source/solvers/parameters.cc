@@ -9,10 +9,17 @@ Section<SolverParameters> solver_section()
 {
   using P = SolverParameters;
   Section<P> section("Newton iterations, linear solver and ghost stabilisation");
-  section.required(
-      "tolerance", &P::tolerance, number("-", positive().below(1.)),
-      "A step has converged when the norm of the residual on the free degrees of freedom falls below this times the "
-      "norm of the nodal weights and body forces of the soil (rigid degrees of freedom: the weight of all bodies)");
+  section.optional("force tolerance", &P::force_tolerance, number("-", positive().below(1.)),
+                   "A step has converged when the share of the forces at a node that nothing balances, in the root mean "
+                   "square over all nodes, falls below this, and at no node exceeds fifty times this (free bodies: their "
+                   "unbalanced force over their weight and the load of the soil)");
+  section.optional(
+      "tolerance", [](P& parameters, const double value) { parameters.tolerance = value; },
+      number("-", positive().below(1.)),
+      "In place of \"force tolerance\", which then counts for nothing: a step has converged when the norm of the "
+      "residual on the free degrees of freedom falls below this times the norm of the nodal weights and body forces of "
+      "the soil (rigid degrees of freedom: the weight of all bodies). Large cells far away make this norm, so small "
+      "cells need a small value");
   section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
                    "Newton iterations before a step is cut to half; it is cut sooner if half of them, but at least 24, "
                    "in a row make "

@@ -12,6 +12,9 @@ namespace
 /// Beyond this the basis of the step's start no longer describes where a material point is.
 constexpr double most_cells_per_step = 0.75;
 
+/// Share of the velocities that no node sees which a basis step takes away.
+constexpr double noise_taken = 0.1;
+
 /// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
 /// point enters a cell. Boxes need none, there values and gradients fade away together.
 double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; }
@@ -112,7 +115,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   load = load_;
   const SteppingParameters& stepping = context.stage.stepping;
   const double duration = load.step_fraction * step_length(stepping);
-  const double longest = stepping.dt > 0. ? stepping.dt : stepping.cfl * critical_dt;
+  const double longest = stepping.dt > 0. ? std::min(stepping.dt, critical_dt) : stepping.cfl * critical_dt;
   const unsigned int n_time_steps = std::max(1., std::ceil(duration / longest * (1. - 1e-9)));
   begin();
 
@@ -140,21 +143,26 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   return report;
 }
 
-/// Velocities of the nodes: their momentum over their mass.
+/// Sum over the particles of their mass times a quantity, over the mass of the nodes; zero at held dofs.
+template <int dim> NodalVector ExplicitStep<dim>::project(const View<double* [3]>& quantity) const
+{
+  const NodalVector nodal = exchange.make_nodal_vector(), m = inertia;
+  add_particle_momentum(context.soil.particles().arrays(), basis.stencils, quantity, nodal);
+  exchange.sum_over_ranks(nodal);
+  const double scaling = context.stage.stepping.mass_scaling;
+  Kokkos::parallel_for(
+      "project", Kokkos::RangePolicy<ExecutionSpace>(0, nodal.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { nodal(i) = scaling * nodal(i) / m(i); });
+  return nodal;
+}
+
 template <int dim> void ExplicitStep<dim>::begin()
 {
   const ParticleArrays& particles = context.soil.particles().arrays();
-  start_velocity = exchange.make_nodal_vector();
+  start_velocity = project(particles.velocity);
   velocity = exchange.make_nodal_vector();
   increment = exchange.make_nodal_vector();
   force = exchange.make_nodal_vector();
-  add_particle_momentum(particles, basis.stencils, particles.velocity, start_velocity);
-  exchange.sum_over_ranks(start_velocity);
-  const NodalVector start = start_velocity, m = inertia;
-  const double scaling = context.stage.stepping.mass_scaling;
-  Kokkos::parallel_for(
-      "start velocity", Kokkos::RangePolicy<ExecutionSpace>(0, start.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { start(i) = scaling * start(i) / m(i); });
   Kokkos::deep_copy(velocity, start_velocity);
   path = begin_path(particles);
   motion.reset();
@@ -243,6 +251,25 @@ template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
   return max_over_ranks(largest, basis.nodes.communicator);
 }
 
+/// What of the particles' velocities at the start no node sees: (1 - S P)^2 v with P the projection to the nodes. The
+/// square leaves smooth motion alone, of which the lumped mass takes a little at every projection.
+template <int dim> View<double* [3]> ExplicitStep<dim>::unseen_velocity() const
+{
+  const View<double* [3]> all = context.soil.particles().arrays().velocity;
+  const auto without = [&](const View<double* [3]>& quantity, const NodalVector& nodal)
+  {
+    const View<double* [3]> rest = interpolate_to_particles(basis.stencils, nodal);
+    Kokkos::parallel_for(
+        "unseen velocity", Kokkos::RangePolicy<ExecutionSpace>(0, rest.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
+          for (int d = 0; d < dim; ++d)
+            rest(p, d) = quantity(p, d) - rest(p, d);
+        });
+    return rest;
+  };
+  const View<double* [3]> once = without(all, start_velocity);
+  return without(once, project(once));
+}
+
 template <int dim> SoilIncrements ExplicitStep<dim>::soil_increments() const
 {
   ParticleIncrements increments =
@@ -252,8 +279,13 @@ template <int dim> SoilIncrements ExplicitStep<dim>::soil_increments() const
   Kokkos::parallel_for(
       "velocity change", Kokkos::RangePolicy<ExecutionSpace>(0, change.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { change(i) = end(i) - start(i); });
-  increments.motion = {interpolate_to_particles(basis.stencils, change),
-                       View<double* [3]>("acceleration", basis.stencils.n_particles)};
+  const View<double* [3]> gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
+  Kokkos::parallel_for(
+      "damp noise", Kokkos::RangePolicy<ExecutionSpace>(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
+        for (int d = 0; d < dim; ++d)
+          gained(p, d) -= noise_taken * unseen(p, d);
+      });
+  increments.motion = {gained, View<double* [3]>("acceleration", basis.stencils.n_particles)};
   return {increments, {}};
 }
 

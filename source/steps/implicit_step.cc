@@ -1,4 +1,5 @@
 #include <cmath>
+#include <kedge/assembly/force_sizes.h>
 #include <kedge/assembly/volume_average.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
@@ -61,6 +62,9 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   TpetraVector weight(system->graph().row_map);
   system->collect(full_weight, weight);
   weight_norm = weight.norm2();
+  given_sizes = system->make_nodal_vector();
+  add_force_sizes(dim, full_weight, given_sizes);
+  force_measure = ForceMeasure(dim, basis.nodes.communicator, places.spacing);
 
   if (context.stage.stepping.type == StageType::dynamic)
     motion = project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
@@ -120,6 +124,12 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   body_force = last_body_force;
   NewtonProblem problem;
   problem.residual = [this](const TpetraVector& x, TpetraVector& r) { return residual(x, r); };
+  if (!context.solver.measures_by_weight())
+    problem.renew_measure = [this](const TpetraVector& r)
+    {
+      renew_force_measure();
+      return measure(r);
+    };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
   { return solve_linearised(x, r, dx, how); };
   context.soil.contact().reset_multipliers();
@@ -175,19 +185,25 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
     add_particle_momentum(particles, basis.stencils, quantity, result);
     return result;
   };
-  const auto norm = [&](const View<double* [3]>& quantity)
+  given_sizes = system->make_nodal_vector();
+  const auto norm = [&](const View<double* [3]>& quantity, const double factor)
   {
+    const NodalVector nodal = at_nodes(quantity);
+    Kokkos::parallel_for(
+        "scale", Kokkos::RangePolicy<ExecutionSpace>(0, nodal.extent(0)),
+        KOKKOS_LAMBDA(const std::size_t i) { nodal(i) *= factor; });
+    add_force_sizes(dim, nodal, given_sizes);
     TpetraVector owned(system->graph().row_map);
-    system->collect(at_nodes(quantity), owned);
+    system->collect(nodal, owned);
     return owned.norm2();
   };
   first_body_force = at_nodes(first);
   last_body_force = at_nodes(last);
   body_force = first_body_force;
-  weight_norm = norm(size);
+  weight_norm = norm(size, 1.);
   if (load.newmark.is_dynamic())
-    weight_norm = std::max(weight_norm, norm(particles.velocity) / context.stage.stepping.final_time);
-  if (weight_norm == 0.)
+    weight_norm = std::max(weight_norm, norm(particles.velocity, 1. / context.stage.stepping.final_time));
+  if (weight_norm == 0. && context.solver.measures_by_weight())
     throw SolverError("neither gravity nor the body force acts on the soil in this step, but residuals are compared "
                       "with them");
 }
@@ -270,12 +286,14 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   system->zero_constrained(*nodal_residual);
   if (sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) > 0)
     return INFINITY;
-  const double soil = nodal_residual->norm2() / weight_norm;
-  if (rigid_unknowns->empty())
-    return soil;
-  balance = rigid_balance(context.bodies, rigid_step(), body_increments, body_loads());
-  rigid_unknowns->set_rigid(r, balance.residual);
-  return std::max(soil, rigid_unknowns->measure(balance.residual, body_weight, body_lever));
+  if (!rigid_unknowns->empty())
+  {
+    balance = rigid_balance(context.bodies, rigid_step(), body_increments, body_loads());
+    rigid_unknowns->set_rigid(r, balance.residual);
+  }
+  if (force_measure.is_zero() && !context.solver.measures_by_weight())
+    renew_force_measure();
+  return measure(r);
 }
 
 template <int dim>

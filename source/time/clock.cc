@@ -13,6 +13,7 @@ Clock::Clock(const double n_steps, const double minimum_fraction)
 {
   now.ticks_per_step = std::int64_t(1) << std::lround(std::max(0., std::ceil(-std::log2(minimum_fraction))));
   now.limit = now.ticks_per_step;
+  most = now.ticks_per_step;
   end = std::max(1ll, std::llround(now.ticks_per_step * n_steps));
   stop_at_requested_steps();
 }
@@ -25,8 +26,18 @@ void Clock::resume(const ClockState& state)
   now.position *= finest / state.ticks_per_step;
   now.limit *= finest / state.ticks_per_step;
   end *= finest / mine;
+  most = now.ticks_per_step;
   smallest = finest / mine;
   stop_at_requested_steps();
+}
+
+bool Clock::keep_below(const double fraction)
+{
+  most = now.ticks_per_step;
+  while (most > smallest && most > fraction * now.ticks_per_step * (1. + 1e-9))
+    most /= 2;
+  stop_at_requested_steps();
+  return most <= fraction * now.ticks_per_step * (1. + 1e-9);
 }
 
 void Clock::advance()
@@ -50,7 +61,7 @@ void Clock::advance()
 
 void Clock::stop_at_requested_steps()
 {
-  size = std::min({now.limit, now.ticks_per_step - now.position % now.ticks_per_step, end - now.position});
+  size = std::min({now.limit, most, now.ticks_per_step - now.position % now.ticks_per_step, end - now.position});
 }
 
 bool Clock::cut()

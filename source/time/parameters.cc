@@ -72,7 +72,7 @@ Section<SteppingParameters> stepping_section()
       .only_for("type", {"static"});
   section
       .required("dt", &P::dt, number_or("auto", 0., number("s", positive())),
-                "Time step; \"auto\", in explicit stages: from the stability limit")
+                "Time step; \"auto\", in explicit stages: from the stability limit, which no step there exceeds")
       .only_for("type", in_time);
   section
       .optional(

@@ -51,6 +51,9 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const W
 /// plane does not count.
 double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
 
+/// Farthest that any point of a surface goes in a requested step by what its rigid point is prescribed, m.
+double largest_prescribed_motion(const RigidSystems& systems);
+
 /// Whether any surface at its present position is at most `distance` (m) from the closed box between two corners in
 /// world axes. A surface that crosses the box is at distance zero. Exact up to round-off.
 bool surface_comes_within(const RigidSystems& systems, const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,

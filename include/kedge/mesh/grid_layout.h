@@ -12,7 +12,7 @@ template <int dim> struct GridLayout
   double base_size = 0.;                      ///< edge of a base cell
   double finest_size = 0.;                    ///< smallest size that any stage requests; base_size / 2^k
   std::array<unsigned int, dim> base_cells{}; ///< number of base cells per axis
-  std::array<double, dim> soil_extent{};      ///< upper corner of the soil block
+  std::array<double, dim> soil_extent{};      ///< upper corner of the soil block; 0 beside the last: as the grid
 
   double extent(const unsigned int axis) const { return base_size * base_cells[axis]; }
 };
@@ -22,9 +22,10 @@ double round_down_to_level(double size, double finest);
 
 /// Rounds the sizes of a scene to a grid. `sizes` are all requested cell sizes: the smallest one is exact, and `base`
 /// is rounded down to a power of two times the smallest. The footprint (dim - 1 lengths) is rounded up to whole base
-/// cells, the top of the soil up to a whole row of particles. The grid is twice as high as the soil.
+/// cells, the top of the soil up to a whole row of particles. The grid ends where the soil does and
+/// is twice as high, unless `extent` gives its upper corner, which is rounded up to whole base cells; 0: as without.
 template <int dim>
 GridLayout<dim> make_grid_layout(double base, const std::vector<double>& sizes,
                                  const std::array<double, dim - 1>& footprint, double soil_thickness,
-                                 unsigned int particles_per_axis);
+                                 unsigned int particles_per_axis, const std::array<double, dim>& extent = {});
 } // namespace kedge

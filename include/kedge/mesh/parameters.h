@@ -53,6 +53,9 @@ struct Adaptivity
 /// All cell sizes (m) that are requested besides the base size.
 std::vector<double> finer_sizes(const Adaptivity& adaptivity);
 
+/// Edge of the cells at the bodies' surfaces on a grid of base cells, m: a base cell halved until it is small enough.
+double cell_size_at_surfaces(const Adaptivity& adaptivity, double base_size);
+
 enum class Advance
 {
   positive,

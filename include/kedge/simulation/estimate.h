@@ -12,6 +12,7 @@ struct StageEstimate
   double cells = 0., dofs = 0., particles = 0.; ///< cells that hold soil, unknowns, material points
   bool counting_stopped = false;                ///< the cells at the surfaces are more than these
   unsigned int steps = 0;
+  double critical_time_step = 0.; ///< of explicit stages, for the soil alone in regular cells, s
   double memory = 0.;  ///< bytes on one rank
   double seconds = 0.; ///< on one core
 };

@@ -39,6 +39,8 @@ public:
   /// What a restart file keeps of the stages so far, and how a run goes on from it in the stage that it stopped in.
   std::string text_of_stages();
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
+  /// Of an explicit stage, s: told once in a stage, with a warning once a given time step is longer.
+  void tell_time_step(const SteppingParameters& stepping, double critical);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
@@ -61,6 +63,7 @@ private:
   Timings clock_of_phases;
   RunSummary summary;
   RunSummary earlier;           ///< times of the run that this one goes on from
+  bool told_time_step = false, warned_of_time_step = false; ///< in this stage
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
   bool has_warned_of_cut_domains = false;

@@ -31,6 +31,9 @@ struct NewtonProblem
 {
   /// Fills r(x) and returns the convergence measure, which is infinite or NaN if x is not admissible.
   std::function<double(const TpetraVector& x, TpetraVector& residual)> residual;
+  /// Compares residuals with the forces at the point of the last residual() from now on, and returns the measure of the
+  /// residual there. Optional: without it the measure is the same throughout.
+  std::function<double(const TpetraVector& residual)> renew_measure;
   /// Solves J(x) dx = r, with the tolerance and the damping of `system`.
   std::function<LinearReport(const TpetraVector& x, const TpetraVector& residual, TpetraVector& dx,
                              const NewtonSystem& system)>

@@ -17,7 +17,8 @@ enum class LinearSolverChoice
 
 struct SolverParameters
 {
-  double tolerance = 1e-6; ///< norm of the residual over that of the soil's weight
+  double tolerance = 0.;          ///< norm of the residual over that of the soil's weight; 0: forces are the measure
+  double force_tolerance = 1e-3;  ///< unbalanced over acting forces, by node (steps/force_measure.h)
   unsigned int max_newton_iterations = 20;
   unsigned int max_linear_iterations = 100;
   double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;
@@ -25,6 +26,10 @@ struct SolverParameters
   LinearSolverChoice linear_solver = LinearSolverChoice::automatic;
   bool reuse = true;                         ///< keep the preconditioner while that is cheaper than a new one
   double minimum_step_fraction = 1. / 4096.; ///< smallest cut of a step
+
+  bool measures_by_weight() const { return tolerance > 0.; }
+  /// Of the measure that counts.
+  double target() const { return measures_by_weight() ? tolerance : force_tolerance; }
 };
 
 /// Keys of "solver".

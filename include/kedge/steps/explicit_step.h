@@ -32,7 +32,7 @@ public:
   long long n_dofs() const override { return dim * basis.nodes.n_global; }
   double basis_bytes() const override { return basis.bytes(); }
 
-  /// Bound below which central differences are stable, s.
+  /// Bound below which central differences are stable, s; no time step is longer.
   double critical_time_step() const { return critical_dt; }
 
 private:
@@ -40,6 +40,8 @@ private:
   RigidStep rigid_step() const;
   Eigen::Vector3d gravity() const;
   void begin();
+  NodalVector project(const View<double* [3]>& quantity) const;
+  View<double* [3]> unseen_velocity() const;
   void find_body_force(double time);
   bool follow_forces(double time);
   void kick(double time);

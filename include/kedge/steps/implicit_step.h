@@ -4,6 +4,7 @@
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/assembly/system.h>
+#include <kedge/steps/force_measure.h>
 #include <kedge/steps/rigid_unknowns.h>
 #include <kedge/steps/step_basis.h>
 
@@ -26,6 +27,8 @@ public:
   std::vector<Vector6> reactions() const override;
   void move_bodies(RigidSystems& committed) const override;
 
+  ResidualPlace find_residual() override;
+
   long long n_dofs() const override { return dim * basis.nodes.n_global; }
   double basis_bytes() const override { return basis.bytes(); }
 
@@ -38,6 +41,8 @@ private:
   void choose_start(const NewtonProblem& newton);
   Prediction predict_next() const;
   double residual(const TpetraVector& x, TpetraVector& r);
+  void renew_force_measure();
+  double measure(const TpetraVector& r) const;
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
 
@@ -52,8 +57,10 @@ private:
   NodalVector full_weight; ///< nodal weight of the soil under full gravity, N
   NodalVector body_force;  ///< of the material points, N, at the time of the residual; empty without one
   NodalVector first_body_force, last_body_force; ///< the same at both ends of the step
-  double weight_norm = 0.;                       ///< N: what residuals are measured by
-  double body_weight = 0., body_lever = 1.;      ///< N, m: what residuals of free bodies are measured by
+  NodalVector given_sizes; ///< sizes of weight, body force and momentum over the stage, N, in entry dim * v
+  double weight_norm = 0.; ///< N: what residuals are measured by where the input asks for it
+  ForceMeasure force_measure;
+  double body_weight = 0., body_scale = 0., body_lever = 1.; ///< N, N, m: of residuals of free bodies
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
   RigidBalance balance;                 ///< at the last evaluation, where there are free dofs

@@ -22,6 +22,7 @@ struct Stage
   Adaptivity adaptivity;
   bool surface_placement = false;
   bool wished_in_place = false;
+  double largest_motion = 0.1; ///< of surfaces in a step as prescribed, over the cells at them; infinite: no limit
   std::vector<PointConditionsOverride> point_conditions;
   BoundaryTrack track;
 };

@@ -39,6 +39,19 @@ struct StepLoad
   std::vector<Vector6> body_increments;  ///< prescribed, per rigid point, of the whole (possibly cut) step
 };
 
+/// Where a step is farthest from balance, and what surrounds it: the points within a cell's size along every axis.
+struct ResidualPlace
+{
+  std::vector<double> position;   ///< of the node, dim coordinates, m; empty: nothing is known
+  double cell_size = 0.;          ///< m
+  double share = 0.;              ///< of the forces at the node that is not balanced
+  double gap = 0.;                ///< to the nearest body, m; infinite beyond three cells
+  double filled = 0.;             ///< share of that neighbourhood that soil takes
+  double yielding = 0.;           ///< share of its points that yield in the step
+  double unstressed = 0.;         ///< share of its points that carry next to no stress
+  bool bodies_dominate = false;   ///< free bodies are farther from balance than any node
+};
+
 /// A step can be solved again for another load (a shorter one after a cut); nothing committed changes.
 template <int dim> class TrialStep
 {
@@ -53,6 +66,9 @@ public:
   virtual std::vector<Vector6> reactions() const = 0;
   /// Takes the points that the step started from to its end.
   virtual void move_bodies(RigidSystems& committed) const = 0;
+
+  /// Of the last solve(), which failed. Collective.
+  virtual ResidualPlace find_residual() { return {}; }
 
   virtual long long n_dofs() const = 0;
   /// Bytes that the basis of this rank's particles takes.

@@ -41,6 +41,10 @@ public:
   /// Continues from the state of another clock of the same stage, which may have had another end or smallest step.
   void resume(const ClockState& state);
 
+  /// From now on no step is larger than this fraction of a requested one, rounded down to a power of two. Returns false
+  /// if that is below the smallest step allowed, which is then the limit.
+  bool keep_below(double fraction);
+
   void advance();
   /// Halves the step. Returns false if it is already the smallest allowed.
   bool cut();
@@ -48,7 +52,7 @@ public:
 private:
   void stop_at_requested_steps();
 
-  std::int64_t end, smallest = 1, size = 0;
+  std::int64_t end, smallest = 1, size = 0, most = 0; ///< `most`: by keep_below()
   ClockState now;
 };
 } // namespace kedge

@@ -46,6 +46,14 @@ TEST(GridLayout, IsTwiceAsHighAsTheSoil)
   EXPECT_NEAR(grid.extent(2), 38.4, 1e-12);
 }
 
+TEST(GridLayout, MayReachBeyondTheSoil)
+{
+  const GridLayout<2> grid = make_grid_layout<2>(0.25, {}, {{1.}}, 1., 2, {{2.6, 1.1}});
+  EXPECT_EQ(grid.base_cells, (std::array<unsigned int, 2>{{11, 5}}));
+  EXPECT_DOUBLE_EQ(grid.soil_extent[0], 1.);
+  EXPECT_DOUBLE_EQ(grid.soil_extent[1], 1.);
+}
+
 TEST(GridLayout, PlaneHasOneFootprintLength)
 {
   const GridLayout<2> grid = make_grid_layout<2>(0.5, {0.25}, {{3.2}}, 1., 2);

@@ -84,3 +84,14 @@ TEST(Warnings, BaseCellsThatAreSmallerThanAskedFor)
                           {R"(analysis.0.adaptivity={"type": "rigid body surface", "element size": 0.006})"}),
                  "base cells are 0.024 m instead of the 0.04 m requested");
 }
+
+TEST(Warnings, StepsInWhichABodyGoesTooFarForTheCells)
+{
+  const std::string motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed=";
+  expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002"}),
+                 "stage 1 moves a body by 0.002 m in a step, 0.4 of the cells of 0.005 m at it: each step is made in 4");
+  EXPECT_EQ(warnings("plate-anchor-ts.json", {motion + "0.0005"}), std::vector<std::string>());
+  expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=off"}),
+                 "so make them shorter");
+  expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=0.25"}), "made in 2");
+}

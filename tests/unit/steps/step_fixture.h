@@ -21,8 +21,15 @@ template <int dim> struct StepFixture : SoilFixture<dim>
     this->soil.forget_prediction();
   }
 
+  static SolverParameters tight()
+  {
+    SolverParameters parameters;
+    parameters.tolerance = 1e-6; // of the weight
+    return parameters;
+  }
+
   std::array<double, 3> gravity{};
-  SolverParameters solver;
+  SolverParameters solver = tight();
   Stage stage;
   RigidSystems bodies;
   Timings timings;

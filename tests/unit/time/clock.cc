@@ -20,6 +20,38 @@ TEST(Clock, MakesTheRequestedStepsIfNothingFails)
   EXPECT_EQ(clock.cuts(), 0u);
 }
 
+TEST(Clock, KeepsStepsBelowALimit)
+{
+  Clock clock(2, 1. / 4096.);
+  EXPECT_TRUE(clock.keep_below(0.3)); // 1/4
+  unsigned int steps = 0;
+  for (; !clock.at_end(); clock.advance(), ++steps)
+    EXPECT_EQ(clock.step_fraction(), 0.25);
+  EXPECT_EQ(steps, 8u);
+  EXPECT_EQ(clock.cuts(), 0u);
+}
+
+TEST(Clock, GrowsBackToTheLimitAfterACut)
+{
+  Clock clock(2, 1. / 4096.);
+  clock.keep_below(0.25);
+  clock.cut();
+  EXPECT_EQ(clock.step_fraction(), 0.125);
+  clock.advance();
+  clock.advance();
+  for (; !clock.at_end(); clock.advance())
+    EXPECT_LE(clock.step_fraction(), 0.25);
+  EXPECT_EQ(clock.steps_done(), 2.);
+}
+
+TEST(Clock, SaysThatALimitIsBelowTheSmallestStep)
+{
+  Clock clock(2, 1. / 8.);
+  EXPECT_FALSE(clock.keep_below(0.1));
+  EXPECT_EQ(clock.step_fraction(), 0.125);
+  EXPECT_TRUE(Clock(2, 1. / 8.).keep_below(0.125));
+}
+
 TEST(Clock, HalvesAFailedStep)
 {
   Clock clock(2, 1. / 4096.);

@@ -1,0 +1,21 @@
+// Sizes of the forces that meet at the nodes: what residuals are compared with.
+#pragma once
+
+#include <kedge/assembly/internal_force.h>
+#include <kedge/contact/point_forces.h>
+
+namespace kedge
+{
+/// Adds |V0 tau grad_x S_v| (N) of every particle to entry dim * v of `size`: its trial stress at the nodal increments
+/// (m) of the last update_stress_and_force(). Opposite forces of neighbours add up.
+template <int dim>
+void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& increment,
+                              const NodalVector& size);
+
+/// Adds weight * |force| (N) of every point to entry dim * v of `size`.
+void add_point_force_sizes(unsigned int dim, const PointForces& points, const NodalVector& size);
+
+/// Adds the length of every node's part of `force` (dim per local node, N, sums of all ranks or of this one) to entry
+/// dim * v of `size`.
+void add_force_sizes(unsigned int dim, const NodalVector& force, const NodalVector& size);
+} // namespace kedge

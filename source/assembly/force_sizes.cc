@@ -1,0 +1,64 @@
+#include <cmath>
+#include <kedge/assembly/force_sizes.h>
+#include <kedge/assembly/kernels.h>
+
+namespace kedge
+{
+template <int dim>
+void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& increment,
+                              const NodalVector& size)
+{
+  Kokkos::parallel_for(
+      "sizes of internal forces", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+      KOKKOS_LAMBDA(const unsigned int i) {
+        const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
+        const Eigen::Matrix3d to_start = inverse(deformation_increment<dim>(stencils, increment, p));
+        const Eigen::Matrix3d flux =
+            particles.initial_volume(p) * full_matrix(row_of(particles.trial_stress, p)) * to_start.transpose();
+        const ParticleNodes at = nodes_of(stencils, p);
+        const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+        for (unsigned int v = 0; v < at.n; ++v)
+        {
+          double square = 0.;
+          for (int c = 0; c < dim; ++c)
+          {
+            double f = 0.;
+            for (int j = 0; j < dim; ++j)
+              f += flux(c, j) * gradient[dim * v + j];
+            square += f * f;
+          }
+          add_to(size(static_cast<std::size_t>(dim) * at.node[v]), std::sqrt(square));
+        }
+      });
+}
+
+void add_point_force_sizes(const unsigned int dim, const PointForces& points, const NodalVector& size)
+{
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), size);
+  for (std::size_t i = 0; i < points.n_points(); ++i)
+  {
+    const double* f = &points.force[3 * i];
+    const double length = std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    for (unsigned int v = points.begin[i]; length > 0. && v < points.begin[i + 1]; ++v)
+      host(static_cast<std::size_t>(dim) * points.nodes[v]) += points.weights[v] * length;
+  }
+  Kokkos::deep_copy(size, host);
+}
+
+void add_force_sizes(const unsigned int dim, const NodalVector& force, const NodalVector& size)
+{
+  Kokkos::parallel_for(
+      "sizes of nodal forces", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0) / dim),
+      KOKKOS_LAMBDA(const std::size_t v) {
+        double square = 0.;
+        for (unsigned int c = 0; c < dim; ++c)
+          square += force(dim * v + c) * force(dim * v + c);
+        size(dim * v) += std::sqrt(square);
+      });
+}
+
+template void add_internal_force_sizes<2>(const ParticleArrays&, const StencilSet&, const NodalVector&,
+                                          const NodalVector&);
+template void add_internal_force_sizes<3>(const ParticleArrays&, const StencilSet&, const NodalVector&,
+                                          const NodalVector&);
+} // namespace kedge

@@ -1,0 +1,27 @@
+// Steps that fit the cells: how far bodies may go in one.
+#pragma once
+
+#include <kedge/bodies/rigid_systems.h>
+#include <kedge/steps/stage.h>
+#include <string>
+
+namespace kedge
+{
+/// What the prescribed motion of a stage leaves of its steps.
+struct StepLimit
+{
+  double motion = 0.;        ///< of a surface in a requested step, m
+  double cell_size = 0.;     ///< at the surfaces, m
+  double fraction = 1.;      ///< of a requested step that a step may take by "largest motion"
+  unsigned int n_parts = 1;  ///< in which a requested step is made: a power of two
+
+  /// Motion in a requested step over the cell size.
+  double in_cells() const { return motion / cell_size; }
+};
+
+/// Why a stage cannot run with steps as small as the limit asks for.
+std::string refusal_of(const StepLimit& limit, const Stage& stage, double minimum_step_fraction);
+
+/// `bodies` with the conditions of the stage; `base_size` of the grid, m.
+StepLimit find_step_limit(const Stage& stage, const RigidSystems& bodies, double base_size);
+} // namespace kedge

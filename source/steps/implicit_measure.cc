@@ -1,0 +1,132 @@
+// How far an implicit step is from balance, and where.
+#include <algorithm>
+#include <cmath>
+#include <kedge/assembly/force_sizes.h>
+#include <kedge/base/communication.h>
+#include <kedge/base/world_axes.h>
+#include <kedge/steps/implicit_step.h>
+
+namespace kedge
+{
+namespace
+{
+/// Stress below which a point counts as unstressed, over the one that the measure adds at every node.
+constexpr double next_to_no_stress = 0.005;
+/// How far a body is looked for, in cells.
+constexpr double reach_in_cells = 3.;
+} // namespace
+
+/// The present forces become what residuals are compared with.
+template <int dim> void ImplicitStep<dim>::renew_force_measure()
+{
+  const NodalVector sizes = system->make_nodal_vector();
+  Kokkos::deep_copy(sizes, given_sizes);
+  add_internal_force_sizes<dim>(context.soil.particles().arrays(), basis.stencils, local_increment, sizes);
+  if (context.stage.rigid_bodies)
+    add_point_force_sizes(dim, context.soil.contact().points_of_last_evaluation(), sizes);
+  if (load.newmark.is_dynamic())
+  {
+    const NodalVector inertia = system->make_nodal_vector();
+    add_inertia_force(system->graph(), motion, load.newmark, local_increment, inertia);
+    add_force_sizes(dim, inertia, sizes);
+  }
+  TpetraVector owned(system->graph().row_map);
+  system->collect(sizes, owned);
+  force_measure.renew(owned);
+  body_scale = body_weight;
+  if (!rigid_unknowns->empty())
+  {
+    double largest = 0.;
+    for (const Vector6& body_load : body_loads())
+      largest = std::max(largest, body_load.head<3>().norm());
+    body_scale += largest;
+  }
+}
+
+/// Of a residual that was evaluated last.
+template <int dim> double ImplicitStep<dim>::measure(const TpetraVector& r) const
+{
+  const bool by_weight = context.solver.measures_by_weight();
+  const auto nodal = rigid_unknowns->nodal(r);
+  const double soil = by_weight ? nodal->norm2() / weight_norm : force_measure.of(*nodal);
+  if (rigid_unknowns->empty())
+    return soil;
+  const double bodies = rigid_unknowns->measure(balance.residual, by_weight ? body_weight : body_scale, body_lever);
+  return std::max(soil, bodies);
+}
+
+template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
+{
+  ResidualPlace place;
+  TpetraVector r(increment->getMap());
+  residual(*increment, r); // of the last iterate, not of a trial beyond it
+  renew_force_measure();
+  const MPI_Comm communicator = basis.nodes.communicator;
+  const WorstNode worst = force_measure.worst(*rigid_unknowns->nodal(r));
+  if (!(worst.share >= 0.))
+    return place;
+  place.share = worst.share;
+  place.bodies_dominate = !rigid_unknowns->empty() && rigid_unknowns->measure(balance.residual, body_scale, body_lever) >
+                                                          force_measure.of(*rigid_unknowns->nodal(r));
+
+  // Where the node is.
+  std::array<double, dim + 1> known{};
+  if (rank_of(communicator) == worst.rank)
+  {
+    const NodePlaces places = find_node_places();
+    std::copy_n(places.position.begin() + dim * worst.node, dim, known.begin());
+    known[dim] = places.spacing[worst.node];
+  }
+  MPI_Bcast(known.data(), dim + 1, MPI_DOUBLE, worst.rank, communicator);
+  place.position.assign(known.begin(), known.begin() + dim);
+  place.cell_size = known[dim];
+  place.gap = INFINITY;
+  for (const WeldedSurface& welded : context.bodies.surfaces)
+  {
+    const Pose pose = context.bodies.points[welded.point].pose.moved(body_increments[welded.point]);
+    const Eigen::Vector3d x = pose.to_body(to_world<dim>(place.position));
+    if (const auto closest = welded.surface.closest_point_within(x, reach_in_cells * place.cell_size))
+      place.gap = std::min(place.gap, closest->gap);
+  }
+
+  // What is around it.
+  const ParticleSet<dim>& particles = context.soil.particles();
+  const ParticleArrays& arrays = particles.arrays();
+  const std::vector<double> volume = download(arrays.initial_volume), plastic = download(arrays.trial_plastic);
+  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_stress);
+  const double least = next_to_no_stress * force_measure.least_stress();
+  double filled = 0., points = 0., yielding = 0., unstressed = 0.;
+  for (std::size_t p = 0; p < volume.size(); ++p)
+  {
+    bool near = true;
+    for (unsigned int d = 0; d < dim; ++d)
+      near = near && std::abs(particles.positions()[p][d] - place.position[d]) <= place.cell_size;
+    if (!near)
+      continue;
+    double square = 0.;
+    for (int i = 0; i < 6; ++i)
+      square += stress(p, i) * stress(p, i);
+    filled += volume[p];
+    points += 1.;
+    yielding += plastic[p] > 0.;
+    unstressed += std::sqrt(square) < least;
+  }
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
+  double room = 1.;
+  for (unsigned int d = 0; d < dim; ++d)
+    room *= std::min(place.position[d] + place.cell_size, table.upper_end(d)) -
+            std::max(place.position[d] - place.cell_size, table.lower_end(d));
+  points = std::max(1., sum_over_ranks(points, communicator));
+  place.filled = sum_over_ranks(filled, communicator) / room;
+  place.yielding = sum_over_ranks(yielding, communicator) / points;
+  place.unstressed = sum_over_ranks(unstressed, communicator) / points;
+  return place;
+}
+
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template void ImplicitStep<dim>::renew_force_measure();                                                              \
+  template double ImplicitStep<dim>::measure(const TpetraVector&) const;                                               \
+  template ResidualPlace ImplicitStep<dim>::find_residual();
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
+} // namespace kedge
