@@ -14,12 +14,22 @@ constexpr double same_gap = 1e-6;
 /// Places of the corners of a particle's children: 0, 1 or 2 halves of its edge along each axis.
 template <int dim> constexpr unsigned int n_places = dim == 3 ? 27 : 9;
 
-/// Number of the place where a child's corner lies.
-template <int dim> unsigned int place_of(const unsigned int octant, const unsigned int corner)
+/// Number of the place where a child's corner lies. Along axes that are not cut a child is as long as its parent.
+template <int dim>
+unsigned int place_of(const Split<dim>& split, const unsigned int octant, const unsigned int corner)
 {
   unsigned int place = 0;
   for (unsigned int d = dim; d-- > 0;)
-    place = 3 * place + ((octant >> d) & 1u) + ((corner >> d) & 1u);
+    place = 3 * place + (split.is_cut_along(d) ? ((octant >> d) & 1u) + ((corner >> d) & 1u) : 2 * ((corner >> d) & 1u));
+  return place;
+}
+
+/// Number of the place of the parent's own corner.
+template <int dim> unsigned int place_of(const unsigned int corner)
+{
+  unsigned int place = 0;
+  for (unsigned int d = dim; d-- > 0;)
+    place = 3 * place + 2 * ((corner >> d) & 1u);
   return place;
 }
 
@@ -99,7 +109,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
     const auto entry = of_parent.find({split.parent, from, surface});
     parent[from] = entry == of_parent.end() ? nullptr : &entry->second;
     if (parent[from] != nullptr && parent[from]->pressure > 0.)
-      farthest = std::max(farthest, gap[place_of<dim>(from, from)]);
+      farthest = std::max(farthest, gap[place_of<dim>(from)]);
   }
   farthest += same_gap * split.half_width[0];
 
@@ -138,15 +148,15 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   const auto carries = [&](const std::uint32_t from, const unsigned int place)
   { return parent[from] != nullptr && (parent[from]->bonded ? bonded[place] : presses[place]); };
   for (unsigned int octant = 0; octant < n; ++octant)
-    for (std::uint32_t corner = 0; corner < n; ++corner)
+    for (std::uint32_t corner = 0; corner < n && split.has_child(octant); ++corner)
       for (std::uint32_t from = 0; from < n; ++from)
-        if (const unsigned int place = place_of<dim>(octant, corner); carries(from, place))
+        if (const unsigned int place = place_of<dim>(split, octant, corner); carries(from, place))
           sum[from] += share_of_corner<dim>(from, place);
 
   for (unsigned int octant = 0; octant < n; ++octant)
-    for (std::uint32_t corner = 0; corner < n; ++corner)
+    for (std::uint32_t corner = 0; corner < n && split.has_child(octant); ++corner)
     {
-      const unsigned int place = place_of<dim>(octant, corner);
+      const unsigned int place = place_of<dim>(split, octant, corner);
       if (!at_place[place])
         continue;
       History inherited = *at_place[place];

@@ -185,6 +185,13 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
     bound_volume<dim>(data);
     if (domain_update == DomainUpdate::stretch)
       stretch_domain<dim>(data);
+    if (domain_update == DomainUpdate::flow)
+    {
+      double change[9];
+      for (unsigned int i = 0; i < 9; ++i)
+        change[i] = dF(p, i);
+      follow_flow<dim>(data, change);
+    }
 
     std::apply([&](const auto&... copy) { (copy.commit(p, data), ...); }, copies);
     for (unsigned int i = 0; i < 3; ++i)

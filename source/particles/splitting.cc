@@ -23,8 +23,9 @@ template <int dim> struct Piece
   std::array<double, field::count> data;
 };
 
-/// Makes the values of a field of a particle those of one of its `n` children.
-void divide_field(const FieldDeclaration& field, double* value, const std::size_t n, const Eigen::Vector3d& offset)
+/// Makes the values of a field of a particle those of one of its `n` children. It is cut along `axes`, by bits.
+void divide_field(const FieldDeclaration& field, double* value, const std::size_t n, const Eigen::Vector3d& offset,
+                  const unsigned int axes)
 {
   for (unsigned int i = 0; i < n_components(field.kind); ++i)
     switch (field.rule)
@@ -33,7 +34,7 @@ void divide_field(const FieldDeclaration& field, double* value, const std::size_
         value[i] /= n;
         break;
       case FieldRule::width:
-        value[i] *= 0.5;
+        value[i] *= (axes >> i) & 1u ? 0.5 : 1.;
         break;
       case FieldRule::place:
         value[i] += offset[i];
@@ -46,9 +47,10 @@ void divide_field(const FieldDeclaration& field, double* value, const std::size_
     }
 }
 
+/// By octant; those that lack an axis of the cut in their number are the same as others, and do not count.
 template <int dim>
 std::array<Piece<dim>, 1u << dim>
-cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>& numbers, const GridLayout<dim>& grid)
+cut_in_octants(const Piece<dim>& parent, const Split<dim>& split, const GridLayout<dim>& grid)
 {
   using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::Matrix3d to_initial =
@@ -59,19 +61,25 @@ cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>&
   {
     Piece<dim>& child = children[octant];
     child = parent;
-    child.id = numbers[octant];
+    child.id = split.children[octant];
     Eigen::Vector3d offset = Eigen::Vector3d::Zero();
     for (unsigned int d = 0; d < dim; ++d)
     {
+      if (!split.is_cut_along(d))
+        continue;
       offset[d] = ((octant >> d) & 1u ? 0.5 : -0.5) * parent.data[field::half_width + d];
       child.position[d] = std::clamp(parent.position[d] + offset[d], inset, grid.extent(d) - inset);
     }
     const Eigen::Vector3d initial_offset = to_initial * offset;
     for_each_field([&](const FieldDeclaration& field, const unsigned int at)
-                   { divide_field(field, &child.data[at], children.size(), initial_offset); });
+                   { divide_field(field, &child.data[at], split.n_children(), initial_offset, split.axes); });
   }
   return children;
 }
+
+/// Width over cell size up to which a particle fits: midway, in steps of halving, between one that fits and one that is
+/// twice as wide.
+double widest(const unsigned int points_per_axis) { return std::sqrt(2.) / points_per_axis; }
 
 /// The splitting of all particles of all ranks, generation by generation.
 template <int dim> class Splitting
@@ -81,7 +89,7 @@ public:
       : particles(particles_.edit()),
         mesh(mesh_),
         communicator(mesh.triangulation().get_communicator()),
-        largest(std::pow(std::sqrt(2.) / points_per_axis, dim)),
+        limit(widest(points_per_axis)),
         next_number(particles.get_next_free_particle_index())
   {
   }
@@ -106,12 +114,8 @@ private:
 
   bool any_waiting() const { return sum_over_ranks(static_cast<long long>(waiting.size()), communicator) > 0; }
 
-  bool fits(const double* data, const double cell_size) const
-  {
-    double allowed = largest;
-    for (unsigned int d = 0; d < dim; ++d)
-      allowed *= cell_size;
-    return !(domain_volume<dim>(data) > allowed);
+  bool fits(const double* data, const double cell_size) const {
+    return axes_wider_than<dim>(data, limit * cell_size) == 0;
   }
 
   /// Copies the particles that are too wide for their cells to `waiting`; returns where they are.
@@ -155,14 +159,17 @@ private:
     std::vector<std::vector<Split<dim>>> by_origin(size_of(communicator));
     for (const Piece<dim>& parent : parents)
     {
-      Split<dim> split{parent.id, {{parent.id}}, parent.position, {}};
+      const double size = mesh.leaves().leaves[mesh.leaves().find_leaf(parent.position)].size;
+      Split<dim> split{parent.id, {{parent.id}}, parent.position, {}, {}};
+      split.axes = axes_wider_than<dim>(parent.data.data(), limit * size);
       std::copy_n(&parent.data[field::half_width], dim, split.half_width.begin());
       const long long place = std::lower_bound(numbers.begin(), numbers.end(), parent.id) - numbers.begin();
       std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * place);
       by_origin[parent.origin].push_back(split);
-      for (const Piece<dim>& child : cut_in_octants<dim>(parent, split.children, mesh.layout()))
-        if (!take_if_owned(child))
-          strays.push_back(child);
+      const auto children = cut_in_octants<dim>(parent, split, mesh.layout());
+      for (unsigned int octant = 0; octant < children.size(); ++octant)
+        if (split.has_child(octant) && !take_if_owned(children[octant]))
+          strays.push_back(children[octant]);
     }
     next_number += (n_children - 1) * numbers.size();
     if (next_number > std::numeric_limits<dealii::types::particle_index>::max())
@@ -197,7 +204,7 @@ private:
   Handler& particles;
   const BackgroundMesh<dim>& mesh;
   MPI_Comm communicator;
-  double largest; ///< volume over that of its cell up to which a particle fits
+  double limit; ///< width over cell size up to which a particle fits
   long long next_number;
   std::vector<Piece<dim>> waiting, fitting;
   std::vector<Split<dim>> splits;
@@ -205,12 +212,32 @@ private:
 } // namespace
 
 template <int dim>
+bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                  const unsigned int points_per_axis)
+{
+  bool found = false;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+  {
+    if (!cell->is_locally_owned() || found)
+      continue;
+    const double limit = widest(points_per_axis) * cell->extent_in_direction(0);
+    for (const auto& particle : particles.handler().particles_in_cell(cell))
+      found = found || axes_wider_than<dim>(particle.get_properties().data(), limit) != 0;
+  }
+  return sum_over_ranks(static_cast<long long>(found), mesh.triangulation().get_communicator()) > 0;
+}
+
+template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         const unsigned int points_per_axis)
 {
+  if (!any_too_wide<dim>(particles, mesh, points_per_axis))
+    return {};
   return Splitting<dim>(particles, mesh, points_per_axis).run();
 }
 
+template bool any_too_wide<2>(const ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
+template bool any_too_wide<3>(const ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
 template std::vector<Split<2>> split_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
 template std::vector<Split<3>> split_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
 } // namespace kedge

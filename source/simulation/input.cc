@@ -88,8 +88,12 @@ Section<Input> input_section()
                    "Generalised interpolation, or the standard material point method with its cell-crossing errors");
   section.optional(
       "domain update", [](Input& input) -> DomainUpdate& { return input.material_points.domain_update; },
-      choice<DomainUpdate>({{"none", DomainUpdate::none}, {"stretch", DomainUpdate::stretch}}),
-      "Material point domains keep their size, or stretch with the deformation along their axes");
+      choice<DomainUpdate>({{"automatic", DomainUpdate::automatic},
+                            {"none", DomainUpdate::none},
+                            {"stretch", DomainUpdate::stretch},
+                            {"flow", DomainUpdate::flow}}),
+      "Material point domains keep their size, stretch with the whole deformation along their axes, or follow the flow "
+      "step by step; those that grow too wide along an axis are split there. automatic: flow with F-bar, else none");
   section.group("domain", Key::Presence::required, domain_section(), "The grid and gravity");
   section.required(
       "material points",

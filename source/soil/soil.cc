@@ -106,10 +106,22 @@ template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adapt
     changed = true;
   }
   if (!changed)
-    return false;
+    return split(bodies);
   guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
   if (adaptivity.merge)
     merge();
+  return true;
+}
+
+template <int dim> bool Soil<dim>::split(const RigidSystems& bodies)
+{
+  if (!any_too_wide<dim>(points, grid, given.points_per_axis))
+    return false;
+  const LeafTable<dim> before = grid.leaves();
+  contacts.inherit(split_particles(points, grid, given.points_per_axis), bodies);
+  if (balance_where_it_pays())
+    guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
+  follow_particles();
   return true;
 }
 
@@ -149,7 +161,9 @@ template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, cons
     contacts.commit();
   }
   guess = increments.prediction;
-  points.commit(increments.particles, given.domain_update);
+  const DomainUpdate automatic = given.f_bar ? DomainUpdate::flow : DomainUpdate::none;
+  points.commit(increments.particles,
+                given.domain_update == DomainUpdate::automatic ? automatic : given.domain_update);
   follow_particles();
 }
 

@@ -14,11 +14,13 @@ template <typename T> class Section;
 
 namespace kedge
 {
-/// How a material point's domain follows the deformation: constant, or l_i = l0_i F_ii.
+/// How a material point's domain follows the deformation: constant, or l_i = l0_i U_ii, or step by step with the flow.
 enum class DomainUpdate
 {
+  automatic, ///< flow with F-bar, none without
   none,
-  stretch
+  stretch,
+  flow
 };
 
 /// One soil layer, as wide as the block.
@@ -35,7 +37,7 @@ struct MaterialPointParameters
   unsigned int points_per_axis = 2;          ///< "number of material points per element 1"
   std::array<double, 2> plan_extent{{0, 0}}; ///< block from 0 to here in x and y (2-D: x only), m
   std::vector<Layer> layers;                 ///< from the surface down
-  DomainUpdate domain_update = DomainUpdate::none;
+  DomainUpdate domain_update = DomainUpdate::automatic;
   bool f_bar = false;              ///< "F-bar": volume changes averaged over cells
   std::optional<double> K0;        ///< "initial stress": horizontal over vertical stress
   ExpressionText initial_velocity; ///< m/s; empty: at rest

@@ -5,12 +5,24 @@
 
 namespace kedge
 {
-/// A particle that became 2^dim.
+/// A particle that became two for every axis along which it was cut.
 template <int dim> struct Split
 {
   long long parent;
   std::array<long long, 1u << dim> children;  ///< by octant: bit d is set in the upper half along axis d
   std::array<double, dim> centre, half_width; ///< of the parent, m
+  unsigned int axes;                          ///< bit d is set if it was cut along axis d
+
+  bool is_cut_along(const unsigned int axis) const { return (axes >> axis) & 1u; }
+  /// An octant without a child has a bit of an axis that was not cut.
+  bool has_child(const unsigned int octant) const { return (octant & axes) == octant; }
+  unsigned int n_children() const
+  {
+    unsigned int n = 1;
+    for (unsigned int d = 0; d < dim; ++d)
+      n *= is_cut_along(d) ? 2u : 1u;
+    return n;
+  }
 };
 
 /// Splits every particle whose width, the geometric mean of its domain's edges, exceeds sqrt(2) * cell size /
@@ -28,4 +40,8 @@ template <int dim> struct Split
 template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         unsigned int points_per_axis);
+
+/// Whether there is a particle to split on any rank. A scan and one reduction.
+template <int dim>
+bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh, unsigned int points_per_axis);
 } // namespace kedge

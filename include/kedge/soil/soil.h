@@ -68,6 +68,9 @@ public:
   /// bodies' surfaces. Returns whether anything changed, be it the partition alone.
   bool adapt(const RigidSystems& bodies, const Adaptivity& adaptivity);
 
+  /// Splits the material points that have come into cells too small for them. Returns whether there were any.
+  bool split(const RigidSystems& bodies);
+
   /// Removes the material points whose centre lies inside a body; returns their number.
   long long remove_buried(const RigidSystems& bodies);
 
