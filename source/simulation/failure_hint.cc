@@ -1,6 +1,6 @@
-#include "failure_hint.h"
 #include <cmath>
 #include <fmt/format.h>
+#include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/run_log.h>
 
 namespace kedge

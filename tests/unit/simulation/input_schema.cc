@@ -29,7 +29,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> format = {
     {"",
      {"$schema", "GPU", "comment", "dimension", "basis", "domain update", "domain", "material points", "rigid bodies",
       "contact", "analysis", "solver", "output"}},
-    {"domain", {"size", "gravity", "body force"}},
+    {"domain", {"size", "extent", "gravity", "body force"}},
     {"domain.body force", {"expression", "definitions"}},
     {"material points",
      {"extra capacity", "element size", "number of material points per element 1", "material size", "layers", "F-bar",
