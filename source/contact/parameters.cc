@@ -17,7 +17,9 @@ Section<ContactParameters> contact_section()
   section.optional(
       "normal penalty factor", &P::normal_penalty_factor, number("-", positive()),
       "Normal contact stiffness over that of the material point; about 50 suits elastic soil, but makes contacts "
-      "chatter on soil that yields");
+      "chatter on soil that yields: 0.5 to 5 suit that, with resistances within 1 to 3 % of each other; 0.25 in "
+      "explicit "
+      "stages");
   section.optional("tangential penalty factor", &P::tangential_penalty_factor, number("-", positive()),
                    "Sticking stiffness over that of the material point");
   section

@@ -35,8 +35,9 @@ std::string check_as_json(const Input& input, const CheckResult& result)
                       {"points", stage.particles},
                       {"counting stopped", stage.counting_stopped},
                       {"memory", stage.memory},
-                      {"time", stage.seconds},
-                      {"critical time step", stage.critical_time_step}});
+                      {"time", stage.seconds}});
+    if (stage.critical_time_step > 0.)
+      stages.back()["critical time step"] = stage.critical_time_step;
   }
   const Json json = {{"version", version()},
                      {"commit", commit()},

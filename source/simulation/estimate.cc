@@ -173,7 +173,8 @@ unsigned int count_parts(const Input& input, const Stage& stage)
 {
   RigidSystems bodies = make_rigid_systems(input.systems, input.dimension);
   apply_conditions(bodies, input.systems, stage.point_conditions, input.dimension);
-  const double base = input.dimension == 2 ? make_grid_layout<2>(input).base_size : make_grid_layout<3>(input).base_size;
+  const double base =
+      input.dimension == 2 ? make_grid_layout<2>(input).base_size : make_grid_layout<3>(input).base_size;
   return find_step_limit(stage, bodies, base).n_parts;
 }
 } // namespace
@@ -223,11 +224,12 @@ std::string format_estimate(const Input& input, const std::vector<StageEstimate>
     if (const double critical = stages[i].critical_time_step; critical > 0.)
     {
       const SteppingParameters& stepping = input.stages[i].stepping;
-      text += fmt::format("stage {}: critical time step about {:.2g} s, less where contact is stiffer than the soil; {}\n",
-                          i + 1, critical,
-                          stepping.dt > critical ? fmt::format("\"dt\", {:.2g} s, is cut to it", stepping.dt)
-                          : stepping.dt > 0.     ? fmt::format("given {:.2g} s", stepping.dt)
-                                                 : fmt::format("{:.2g} of it is taken", stepping.cfl));
+      text +=
+          fmt::format("stage {}: critical time step about {:.2g} s, less where contact is stiffer than the soil; {}\n",
+                      i + 1, critical,
+                      stepping.dt > critical ? fmt::format("\"dt\", {:.2g} s, is cut to it", stepping.dt)
+                      : stepping.dt > 0.     ? fmt::format("given {:.2g} s", stepping.dt)
+                                             : fmt::format("{:.2g} of it is taken", stepping.cfl));
     }
   for (std::size_t i = 0; i < stages.size(); ++i)
     if (stages[i].counting_stopped)

@@ -1,6 +1,6 @@
-#include "failure_hint.h"
 #include <cmath>
 #include <fmt/format.h>
+#include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/run_log.h>
 
 namespace kedge
@@ -40,7 +40,8 @@ std::string hint_by_place(const ResidualPlace& place, const Stage& stage, const 
            (input.material_points.f_bar ? "" : ", \"F-bar\"") +
            " or a larger \"ghost factor\" may help; where the load is more than the soil can bear there is no balance, "
            "and the stage must be \"dynamic\".";
-  return "It sits in soil that does not yield: the tolerance may be finer than round-off allows, or boundary conditions "
+  return "It sits in soil that does not yield: the tolerance may be finer than round-off allows, or boundary "
+         "conditions "
          "may leave the soil free to move.";
 }
 } // namespace
@@ -49,16 +50,17 @@ std::string describe_place(const ResidualPlace& place)
 {
   if (place.position.empty())
     return "";
-  std::string where = place.gap <= 0.                              ? "inside a body's surface"
-                      : is_at_body(place)                          ? "at a body"
-                      : std::isfinite(place.gap)                   ? fmt::format("{:.3g} m from a body", place.gap)
-                                                                   : "away from all bodies";
+  std::string where = place.gap <= 0.            ? "inside a body's surface"
+                      : is_at_body(place)        ? "at a body"
+                      : std::isfinite(place.gap) ? fmt::format("{:.3g} m from a body", place.gap)
+                                                 : "away from all bodies";
   where += place.unstressed > most ? ", in soil that carries next to no stress"
            : place.filled < full   ? ", at the edge of the soil"
            : place.yielding > most ? ", in soil that yields"
                                    : ", in soil that does not yield";
-  return fmt::format("The largest residual, {:.2g} of the forces at its node, is at {} m, where cells have {:.3g} m: {}.",
-                     place.share, text_of(place.position), place.cell_size, where);
+  return fmt::format(
+      "The largest residual, {:.2g} of the forces at its node, is at {} m, where cells have {:.3g} m: {}.", place.share,
+      text_of(place.position), place.cell_size, where);
 }
 
 std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, const Stage& stage, const Input& input)
@@ -72,8 +74,7 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
     return "Stiffer springs (\"normal penalty factor\"), a larger \"penetration tolerance\", or \"method\": "
            "\"penalty\" may help.";
   if (contains(failure, "linear system"))
-    return std::string("The system is close to singular: ") +
-           (input.solver.ghost_factor > 0. ? "a larger" : "a") +
+    return std::string("The system is close to singular: ") + (input.solver.ghost_factor > 0. ? "a larger" : "a") +
            " \"ghost factor\", a little cohesion, or \"linear solver\": \"direct\" may help, and conditions that hold "
            "every body and the soil.";
   if (contains(failure, "not finite"))
@@ -93,12 +94,12 @@ std::string describe_failure(const Input& input, const unsigned int stage_number
       fmt::format("stage {}, step {} of {}", stage_number + 1, clock.steps_done() + 1., clock.requested_steps());
   if (newton.residuals.empty() && newton.iterations == 0)
     return fmt::format("{}: {}", which, newton.failure);
-  std::string text =
-      fmt::format("{}: {} even with a step cut to {:.3g} of the requested one.\n", which, newton.failure,
-                  clock.step_fraction());
+  std::string text = fmt::format("{}: {} even with a step cut to {:.3g} of the requested one.\n", which, newton.failure,
+                                 clock.step_fraction());
   if (!newton.residuals.empty())
-    text += fmt::format("Residual over the {}: {}\n",
-                        input.solver.measures_by_weight() ? "soil's weight" : "acting forces", format_residuals(newton));
+    text +=
+        fmt::format("Residual over the {}: {}\n", input.solver.measures_by_weight() ? "soil's weight" : "acting forces",
+                    format_residuals(newton));
   const std::string where = describe_place(place);
   return text + where + (where.empty() ? "" : "\n") + hint_for(newton, place, input.stages[stage_number], input);
 }

@@ -63,7 +63,8 @@ Section<Input> domain_section()
   section.optional(
       "extent", [](Input& input, const std::array<double, 3>& read) { input.grid_extent = read; },
       vector("m", positive()),
-      "Upper corner of the grid, rounded up to whole base cells: room for soil that slides or collapses. Without it the "
+      "Upper corner of the grid, rounded up to whole base cells: room for soil that slides or collapses. Without it "
+      "the "
       "grid ends where the soil does, and has as much empty space above it");
   section.required("gravity", &Input::gravity, vector("m/s2"),
                    "Acceleration of gravity; with \"tolerance\" not zero, but where there is a body force");

@@ -12,6 +12,9 @@ namespace
 constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
+constexpr unsigned int most_points = 4;
+constexpr double most_poor = 0.5;
+constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 5.; // of contact springs
 
 std::string find_sharp_edge(const std::size_t number, const double radius, const double particle)
 {
@@ -81,6 +84,38 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
     }
 }
 
+/// About choices that experiments have shown to be poor; the manual has the numbers.
+void add_warnings_about_choices(const Input& input, std::vector<std::string>& warnings)
+{
+  const unsigned int points = input.material_points.points_per_axis;
+  if (points == 1)
+    warnings.push_back("one material point per axis of a cell leaves empty cells where soil stretches; take 2");
+  if (points > most_points)
+    warnings.push_back(
+        fmt::format("{} material points per axis of a cell cost much and gain nothing; take 2, and finer "
+                    "cells",
+                    points));
+  if (input.solver.poor_factor > most_poor)
+    warnings.push_back(
+        fmt::format("\"poor factor\" {:.3g} takes cells that soil almost fills for boundary cells, which "
+                    "the ghost stabilisation stiffens; take 0.25",
+                    input.solver.poor_factor));
+  const double factor = input.contact.normal_penalty_factor;
+  const auto with_bodies = [](const Stage& stage) { return stage.rigid_bodies; };
+  const auto is_explicit = [&](const Stage& stage)
+  { return with_bodies(stage) && stage.stepping.type == StageType::explicit_; };
+  if (std::any_of(input.stages.begin(), input.stages.end(), is_explicit) && factor > stiff_if_explicit)
+    warnings.push_back(fmt::format("\"normal penalty factor\" {:.3g} makes contact chatter and time steps short in "
+                                   "explicit stages; take 0.25",
+                                   factor));
+  else if (std::any_of(input.stages.begin(), input.stages.end(), with_bodies) && !input.systems.empty() &&
+           (factor < softest || factor > stiffest))
+    warnings.push_back(
+        fmt::format("\"normal penalty factor\" {:.3g} is far from what has been tried, 0.25 to 50: bodies "
+                    "{}",
+                    factor, factor < softest ? "sink into the soil" : "find no balance"));
+}
+
 /// Where a body goes too far in a step for the cells at it.
 template <int dim>
 void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, std::vector<std::string>& warnings)
@@ -113,6 +148,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
         "base cells are {:.4g} m instead of the {:.4g} m requested: the base size must be the smallest size of "
         "any stage, {:.4g} m, times a power of two",
         grid.base_size, input.material_points.element_size, grid.finest_size));
+  add_warnings_about_choices(input, warnings);
   add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);

@@ -1,4 +1,3 @@
-#include "failure_hint.h"
 #include "step_limit.h"
 #include <cmath>
 #include <filesystem>
@@ -8,6 +7,7 @@
 #include <kedge/output/checkpoint.h>
 #include <kedge/output/snapshots.h>
 #include <kedge/simulation/checkpoints.h>
+#include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/scene_warnings.h>

@@ -10,10 +10,10 @@ namespace kedge
 /// What the prescribed motion of a stage leaves of its steps.
 struct StepLimit
 {
-  double motion = 0.;        ///< of a surface in a requested step, m
-  double cell_size = 0.;     ///< at the surfaces, m
-  double fraction = 1.;      ///< of a requested step that a step may take by "largest motion"
-  unsigned int n_parts = 1;  ///< in which a requested step is made: a power of two
+  double motion = 0.;       ///< of a surface in a requested step, m
+  double cell_size = 0.;    ///< at the surfaces, m
+  double fraction = 1.;     ///< of a requested step that a step may take by "largest motion"
+  unsigned int n_parts = 1; ///< in which a requested step is made: a power of two
 
   /// Motion in a requested step over the cell size.
   double in_cells() const { return motion / cell_size; }

@@ -253,8 +253,8 @@ template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
 
 /// What of the particles' velocities at the start no node sees: (1 - S P)^2 v with P the projection to the nodes. The
 /// square leaves smooth motion alone, of which the lumped mass takes a little at every projection.
-template <int dim> View<double* [3]> ExplicitStep<dim>::unseen_velocity() const
-{
+template <int dim>
+View<double* [3]> ExplicitStep<dim>::unseen_velocity() const {
   const View<double* [3]> all = context.soil.particles().arrays().velocity;
   const auto without = [&](const View<double* [3]>& quantity, const NodalVector& nodal)
   {
@@ -270,7 +270,8 @@ template <int dim> View<double* [3]> ExplicitStep<dim>::unseen_velocity() const
   return without(once, project(once));
 }
 
-template <int dim> SoilIncrements ExplicitStep<dim>::soil_increments() const
+template <int dim>
+SoilIncrements ExplicitStep<dim>::soil_increments() const
 {
   ParticleIncrements increments =
       interpolate_increments<dim>(context.soil.particles().arrays(), basis.stencils, increment, basis.cells);
@@ -279,7 +280,7 @@ template <int dim> SoilIncrements ExplicitStep<dim>::soil_increments() const
   Kokkos::parallel_for(
       "velocity change", Kokkos::RangePolicy<ExecutionSpace>(0, change.extent(0)),
       KOKKOS_LAMBDA(const std::size_t i) { change(i) = end(i) - start(i); });
-  const View<double* [3]> gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
+  const View<double*[3]> gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
   Kokkos::parallel_for(
       "damp noise", Kokkos::RangePolicy<ExecutionSpace>(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
         for (int d = 0; d < dim; ++d)

@@ -66,8 +66,9 @@ template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
   if (!(worst.share >= 0.))
     return place;
   place.share = worst.share;
-  place.bodies_dominate = !rigid_unknowns->empty() && rigid_unknowns->measure(balance.residual, body_scale, body_lever) >
-                                                          force_measure.of(*rigid_unknowns->nodal(r));
+  place.bodies_dominate =
+      !rigid_unknowns->empty() &&
+      rigid_unknowns->measure(balance.residual, body_scale, body_lever) > force_measure.of(*rigid_unknowns->nodal(r));
 
   // Where the node is.
   std::array<double, dim + 1> known{};

@@ -13,8 +13,8 @@ struct StageEstimate
   bool counting_stopped = false;                ///< the cells at the surfaces are more than these
   unsigned int steps = 0;
   double critical_time_step = 0.; ///< of explicit stages, for the soil alone in regular cells, s
-  double memory = 0.;  ///< bytes on one rank
-  double seconds = 0.; ///< on one core
+  double memory = 0.;             ///< bytes on one rank
+  double seconds = 0.;            ///< on one core
 };
 
 /// Counts cells, unknowns and material points at the start of every stage. Where bodies refine the mesh, it is built

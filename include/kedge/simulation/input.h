@@ -17,9 +17,9 @@ struct Input
   bool gpu = false;
   unsigned int dimension = 3;
   Basis basis = Basis::gimp;
-  std::array<double, 3> gravity{}; ///< m/s2; in 2-D [x, z]
+  std::array<double, 3> gravity{};     ///< m/s2; in 2-D [x, z]
   std::array<double, 3> grid_extent{}; ///< upper corner of the grid, m; in 2-D [x, z]; zeros: as the soil needs it
-  ExpressionText body_force;       ///< m/s2, on the soil; empty: none
+  ExpressionText body_force;           ///< m/s2, on the soil; empty: none
   MaterialPointParameters material_points;
   std::vector<SystemParameters> systems;
   ContactParameters contact;

@@ -62,10 +62,10 @@ private:
   Report terminal;
   Timings clock_of_phases;
   RunSummary summary;
-  RunSummary earlier;           ///< times of the run that this one goes on from
+  RunSummary earlier;                                       ///< times of the run that this one goes on from
   bool told_time_step = false, warned_of_time_step = false; ///< in this stage
-  double step_length = 1.;      ///< of the stage: s, or a fraction of the load
-  long long deleted_before = 0; ///< in earlier stages
+  double step_length = 1.;                                  ///< of the stage: s, or a fraction of the load
+  long long deleted_before = 0;                             ///< in earlier stages
   bool has_warned_of_cut_domains = false;
 };
 } // namespace kedge

@@ -17,8 +17,8 @@ enum class LinearSolverChoice
 
 struct SolverParameters
 {
-  double tolerance = 0.;          ///< norm of the residual over that of the soil's weight; 0: forces are the measure
-  double force_tolerance = 1e-3;  ///< unbalanced over acting forces, by node (steps/force_measure.h)
+  double tolerance = 0.;         ///< norm of the residual over that of the soil's weight; 0: forces are the measure
+  double force_tolerance = 3e-4; ///< unbalanced over acting forces, by node (steps/force_measure.h)
   unsigned int max_newton_iterations = 20;
   unsigned int max_linear_iterations = 100;
   double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;

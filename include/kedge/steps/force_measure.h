@@ -10,16 +10,16 @@ namespace kedge
 /// The node whose residual is largest by its own measure.
 struct WorstNode
 {
-  double share = 0.; ///< of the unbalanced force in those that act; below 0: no rank has a node
+  double share = 0.;     ///< of the unbalanced force in those that act; below 0: no rank has a node
   unsigned int node = 0; ///< owned by `rank`
   int rank = 0;
 };
 
 /// Share of the forces at a node that nothing balances: |r_a| / (s_a + floor h_a^(dim-1)), s_a the sum of the sizes of
 /// all forces on it and h_a its cell size. So a fine node counts as much as a coarse one, for s_a of a stress sigma is
-/// about sigma h_a^(dim-1). The floor is the root mean square of s_a / h_a^(dim-1) over all nodes: soil at a free surface
-/// or without stress needs no better balance than the rest. The measure is the root mean square over all
-/// nodes, but at least a fiftieth of the largest: in a large mesh a few nodes at a body would hardly count.
+/// about sigma h_a^(dim-1). The floor is the root mean square of s_a / h_a^(dim-1) over all nodes: soil at a free
+/// surface or without stress needs no better balance than the rest. The measure is the root mean square over all nodes,
+/// but at least a fiftieth of the largest: in a large mesh a few nodes at a body would hardly count.
 class ForceMeasure
 {
 public:
@@ -43,9 +43,9 @@ public:
 private:
   unsigned int dim = 0;
   MPI_Comm communicator = MPI_COMM_SELF;
-  double n_nodes = 0.;  ///< over all ranks
-  double floor = 0.;    ///< Pa (2-D: N/m)
-  View<double*> area;   ///< h^(dim-1) of every owned node
-  View<double*> scale;  ///< of every owned node, N
+  double n_nodes = 0.; ///< over all ranks
+  double floor = 0.;   ///< Pa (2-D: N/m)
+  View<double*> area;  ///< h^(dim-1) of every owned node
+  View<double*> scale; ///< of every owned node, N
 };
 } // namespace kedge

@@ -42,14 +42,14 @@ struct StepLoad
 /// Where a step is farthest from balance, and what surrounds it: the points within a cell's size along every axis.
 struct ResidualPlace
 {
-  std::vector<double> position;   ///< of the node, dim coordinates, m; empty: nothing is known
-  double cell_size = 0.;          ///< m
-  double share = 0.;              ///< of the forces at the node that is not balanced
-  double gap = 0.;                ///< to the nearest body, m; infinite beyond three cells
-  double filled = 0.;             ///< share of that neighbourhood that soil takes
-  double yielding = 0.;           ///< share of its points that yield in the step
-  double unstressed = 0.;         ///< share of its points that carry next to no stress
-  bool bodies_dominate = false;   ///< free bodies are farther from balance than any node
+  std::vector<double> position; ///< of the node, dim coordinates, m; empty: nothing is known
+  double cell_size = 0.;        ///< m
+  double share = 0.;            ///< of the forces at the node that is not balanced
+  double gap = 0.;              ///< to the nearest body, m; infinite beyond three cells
+  double filled = 0.;           ///< share of that neighbourhood that soil takes
+  double yielding = 0.;         ///< share of its points that yield in the step
+  double unstressed = 0.;       ///< share of its points that carry next to no stress
+  bool bodies_dominate = false; ///< free bodies are farther from balance than any node
 };
 
 /// A step can be solved again for another load (a shorter one after a cut); nothing committed changes.

@@ -88,10 +88,21 @@ TEST(Warnings, BaseCellsThatAreSmallerThanAskedFor)
 TEST(Warnings, StepsInWhichABodyGoesTooFarForTheCells)
 {
   const std::string motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed=";
-  expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002"}),
-                 "stage 1 moves a body by 0.002 m in a step, 0.4 of the cells of 0.005 m at it: each step is made in 4");
+  expect_warning(
+      warnings("plate-anchor-ts.json", {motion + "0.002"}),
+      "stage 1 moves a body by 0.002 m in a step, 0.4 of the cells of 0.005 m at it: each step is made in 4");
   EXPECT_EQ(warnings("plate-anchor-ts.json", {motion + "0.0005"}), std::vector<std::string>());
   expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=off"}),
                  "so make them shorter");
   expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=0.25"}), "made in 2");
+}
+
+TEST(Warnings, ChoicesThatExperimentsHaveShownToBePoor)
+{
+  const std::string points = "material points.number of material points per element 1=";
+  expect_warning(warnings("column.json", {points + "1"}), "take 2");
+  expect_warning(warnings("column.json", {points + "5"}), "finer cells");
+  expect_warning(warnings("column.json", {"solver.poor factor=0.9"}), "take 0.25");
+  expect_warning(warnings("strip-footing.json", {"contact.normal penalty factor=0.01"}), "sink into the soil");
+  expect_warning(warnings("plate-anchor-explicit.json", {"contact.normal penalty factor=10"}), "explicit stages");
 }

@@ -117,8 +117,8 @@ TEST(Explicit, StableStepIsWhereTheoryPutsIt)
     block.load.gravity_factor = 0.;
     block.set_velocities([](const Eigen::Vector3d& x) { return Eigen::Vector3d(1e-6 * lively(50. * x)); });
     ExplicitStep<3> step(block.context());
-    block.stage.stepping.dt = share * step.critical_time_step();
-    block.stage.stepping.basis_step = 600. * block.stage.stepping.dt;
+    block.stage.stepping.cfl = share; // a given "dt" would be cut to the critical one
+    block.stage.stepping.basis_step = 600. * share * step.critical_time_step();
     const double energy = block.kinetic_energy();
     const NewtonReport report = step.solve(block.load);
     if (!report.converged)
@@ -128,6 +128,35 @@ TEST(Explicit, StableStepIsWhereTheoryPutsIt)
   };
   EXPECT_FALSE(grows(0.99));
   EXPECT_TRUE(grows(1.8));
+}
+
+TEST(Explicit, AGivenTimeStepAboveTheCriticalOneIsCut)
+{
+  Block block(-9.81);
+  ExplicitStep<3> step(block.context());
+  block.stage.stepping.basis_step = 10. * step.critical_time_step();
+  for (const double dt_over_critical : {0.5, 5.})
+  {
+    block.stage.stepping.dt = dt_over_critical * step.critical_time_step();
+    const NewtonReport report = step.solve(block.load);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.iterations, dt_over_critical < 1. ? 20u : 10u);
+  }
+}
+
+/// Neighbours that go opposite ways: no node sees it, no force acts on it, and it would last for good.
+TEST(Explicit, VelocitiesThatNoNodeSeesFade)
+{
+  Block block(0.);
+  const auto wave = [](const double x) { return std::sin(8. * M_PI * x); }; // +-1 at points 1/8 m apart
+  block.set_velocities([&](const Eigen::Vector3d& x)
+                       { return Eigen::Vector3d(0.01 * wave(x[0]) * wave(x[1]) * wave(x[2]), 0., 0.); });
+  const double energy = block.kinetic_energy();
+  for (unsigned int step = 0; step < 10; ++step)
+    ASSERT_TRUE(block.advance().converged);
+  EXPECT_GT(block.kinetic_energy(), 0.05 * energy);
+  EXPECT_LT(block.kinetic_energy(), 0.25 * energy);
+  EXPECT_LT(block.momentum().norm(), 1e-9 * std::sqrt(energy * block.mass()));
 }
 
 TEST(Explicit, AStepThatGoesTooFarFails)
