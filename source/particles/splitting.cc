@@ -73,6 +73,20 @@ cut_in_octants(const Piece<dim>& parent, const std::array<long long, 1u << dim>&
   return children;
 }
 
+/// Largest volume of a particle over that of its cell.
+template <int dim> double largest_share(const unsigned int points_per_axis)
+{
+  return std::pow(std::sqrt(2.) / points_per_axis, dim);
+}
+
+template <int dim> bool fits(const double* data, const double cell_size, const double largest)
+{
+  double allowed = largest;
+  for (unsigned int d = 0; d < dim; ++d)
+    allowed *= cell_size;
+  return !(domain_volume<dim>(data) > allowed);
+}
+
 /// The splitting of all particles of all ranks, generation by generation.
 template <int dim> class Splitting
 {
@@ -81,7 +95,7 @@ public:
       : particles(particles_.edit()),
         mesh(mesh_),
         communicator(mesh.triangulation().get_communicator()),
-        largest(std::pow(std::sqrt(2.) / points_per_axis, dim)),
+        largest(largest_share<dim>(points_per_axis)),
         next_number(particles.get_next_free_particle_index())
   {
   }
@@ -106,13 +120,7 @@ private:
 
   bool any_waiting() const { return sum_over_ranks(static_cast<long long>(waiting.size()), communicator) > 0; }
 
-  bool fits(const double* data, const double cell_size) const
-  {
-    double allowed = largest;
-    for (unsigned int d = 0; d < dim; ++d)
-      allowed *= cell_size;
-    return !(domain_volume<dim>(data) > allowed);
-  }
+  bool fits(const double* data, const double cell_size) const { return kedge::fits<dim>(data, cell_size, largest); }
 
   /// Copies the particles that are too wide for their cells to `waiting`; returns where they are.
   std::vector<typename Handler::particle_iterator> find_wide_particles()
@@ -205,12 +213,33 @@ private:
 } // namespace
 
 template <int dim>
+bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                  const unsigned int points_per_axis)
+{
+  const double largest = largest_share<dim>(points_per_axis);
+  bool found = false;
+  for (const auto& cell : mesh.triangulation().active_cell_iterators())
+  {
+    if (!cell->is_locally_owned() || found)
+      continue;
+    const double size = cell->extent_in_direction(0);
+    for (const auto& particle : particles.handler().particles_in_cell(cell))
+      found = found || !fits<dim>(particle.get_properties().data(), size, largest);
+  }
+  return sum_over_ranks(static_cast<long long>(found), mesh.triangulation().get_communicator()) > 0;
+}
+
+template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         const unsigned int points_per_axis)
 {
+  if (!any_too_wide<dim>(particles, mesh, points_per_axis))
+    return {};
   return Splitting<dim>(particles, mesh, points_per_axis).run();
 }
 
+template bool any_too_wide<2>(const ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
+template bool any_too_wide<3>(const ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
 template std::vector<Split<2>> split_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
 template std::vector<Split<3>> split_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
 } // namespace kedge

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <kedge/materials/material.h>
 #include <kedge/simulation/layout.h>
 
 namespace kedge
@@ -16,6 +17,14 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
   for (const Layer& layer : soil.layers)
     thickness += layer.thickness;
   return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis);
+}
+
+std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)
+{
+  std::vector<std::vector<StateVariable>> states;
+  for (const Layer& layer : layers)
+    states.push_back(state_variables_of(layer.material));
+  return states;
 }
 
 template GridLayout<2> make_grid_layout<2>(const Input&);

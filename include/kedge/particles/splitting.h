@@ -28,4 +28,8 @@ template <int dim> struct Split
 template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         unsigned int points_per_axis);
+
+/// Whether there is a particle to split on any rank. A scan and one reduction.
+template <int dim>
+bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh, unsigned int points_per_axis);
 } // namespace kedge

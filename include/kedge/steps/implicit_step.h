@@ -37,6 +37,7 @@ private:
   void find_first_acceleration();
   void choose_start(const NewtonProblem& newton);
   Prediction predict_next() const;
+  void keep_unbalanced();
   double residual(const TpetraVector& x, TpetraVector& r);
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
@@ -52,6 +53,7 @@ private:
   NodalVector full_weight; ///< nodal weight of the soil under full gravity, N
   NodalVector body_force;  ///< of the material points, N, at the time of the residual; empty without one
   NodalVector first_body_force, last_body_force; ///< the same at both ends of the step
+  Teuchos::RCP<TpetraVector> kept_unbalanced;    ///< N: what a step need not balance of its start's residual; or null
   double weight_norm = 0.;                       ///< N: what residuals are measured by
   double body_weight = 0., body_lever = 1.;      ///< N, m: what residuals of free bodies are measured by
   StepLoad load;
