@@ -85,7 +85,7 @@ template <int dim>
 std::optional<ClosestPoint> Contact<dim>::find_closest(Pair& pair, const Surface& surface, const Pose& before,
                                                        const Eigen::Vector3d& x, const double distance)
 {
-  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0.))
+  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0. || pair.committed.reference_gap > 0.))
   {
     pair.on_plane = true;
     pair.plane = surface.closest_point(before.to_body(pair.start));

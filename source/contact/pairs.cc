@@ -122,7 +122,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     if (!waiting.empty())
       waiting.erase(waiting.lower_bound({particles.id[p], 0, 0}), waiting.lower_bound({particles.id[p] + 1, 0, 0}));
     // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
-    double radius = reach;
+    double radius = reach + particles.travel[p];
     for (const double half : particles.half_width[p])
       radius += 2. * half;
     const std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);

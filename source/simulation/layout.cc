@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <kedge/materials/material.h>
 #include <kedge/simulation/layout.h>
 
 namespace kedge
@@ -18,6 +19,14 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
   std::array<double, dim> extent;
   std::copy_n(input.grid_extent.begin(), dim, extent.begin());
   return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis, extent);
+}
+
+std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)
+{
+  std::vector<std::vector<StateVariable>> states;
+  for (const Layer& layer : layers)
+    states.push_back(state_variables_of(layer.material));
+  return states;
 }
 
 template GridLayout<2> make_grid_layout<2>(const Input&);

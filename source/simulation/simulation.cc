@@ -12,6 +12,7 @@
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/simulation.h>
+#include <kedge/simulation/step_load.h>
 #include <kedge/soil/placement.h>
 #include <kedge/steps/explicit_step.h>
 #include <kedge/steps/implicit_step.h>
@@ -21,15 +22,6 @@ namespace kedge
 {
 namespace
 {
-/// By layer, the state variables that its law uses.
-std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)
-{
-  std::vector<std::vector<StateVariable>> states;
-  for (const Layer& layer : layers)
-    states.push_back(state_variables_of(layer.material));
-  return states;
-}
-
 template <int dim> class Simulation
 {
 public:
@@ -41,10 +33,12 @@ private:
   void resume();
   void enter_stage(unsigned int number);
   void begin_stage(unsigned int number);
+  void forget_motion();
   void bury_bodies();
   bool run_stage();
   void limit_steps(Clock& clock);
   NewtonReport attempt_step(const Clock& clock);
+  bool bring_into_balance(const Clock& clock);
   void prepare_step();
   void move_window();
   void clean();
@@ -75,7 +69,8 @@ private:
   std::vector<Vector6> reactions; ///< of the last converged step, as the next
   std::vector<typename Contact<dim>::Touch> touches;
   bool has_warned_of_window = false;
-  bool take_reference_gaps = false; ///< at the first step of a stage whose bodies are wished in place
+  unsigned int balanced_step = 0; ///< before which the soil was brought into balance last
+  bool replaces_soil = false;     ///< before the first step of a stage whose bodies are wished in place
   long long dofs = 0;
   double basis_bytes = 0.;
   unsigned int step_number = 1; ///< global counter; the first converged step is number 2, as the file names have it
@@ -157,9 +152,7 @@ template <int dim> void Simulation<dim>::enter_stage(const unsigned int number)
 template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
   enter_stage(number);
-  soil.forget_prediction();
-  for (RigidPoint& point : bodies.points)
-    point.last_increment.setZero();
+  forget_motion();
   if (stage->rigid_bodies && stage->surface_placement)
     place_on_soil<dim>(bodies, soil);
   log.begin_stage(stage->stepping, bodies);
@@ -171,13 +164,21 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
     bury_bodies();
 }
 
+/// The next step does not go on as the last one did.
+template <int dim> void Simulation<dim>::forget_motion()
+{
+  soil.forget_prediction();
+  for (RigidPoint& point : bodies.points)
+    point.last_increment.setZero();
+}
+
 /// Bodies that are wished in place begin in a hole of their shape.
 template <int dim> void Simulation<dim>::bury_bodies()
 {
   adapt(); // the finer the cells, the smaller the steps of the hole
   const long long removed = soil.remove_buried(bodies);
   log.report().line(fmt::format("{} material points inside buried bodies removed", removed));
-  take_reference_gaps = true;
+  replaces_soil = true;
 }
 
 /// The method, step by step: solve for the trial state, make it the committed one or try a smaller step. False where
@@ -209,7 +210,7 @@ template <int dim> bool Simulation<dim>::run_stage()
       if (checkpoints.told_to_end())
         return false;
     }
-    else if (!clock.cut())
+    else if (!clock.cut() && !bring_into_balance(clock))
       give_up(clock, report);
   }
   return true;
@@ -244,6 +245,30 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
   }
 }
 
+/// Where even the smallest step fails: the forces that nothing balances at its start come first. False where that fails
+/// too, has been done before this very step, or has no place.
+template <int dim> bool Simulation<dim>::bring_into_balance(const Clock& clock)
+{
+  if (stage->stepping.type != StageType::static_ || balanced_step == step_number)
+    return false;
+  balanced_step = step_number;
+  const auto attempt = [this](const StepLoad& load)
+  {
+    forget_motion();
+    if (!step)
+      prepare_step();
+    const bool converged = step->solve(load).converged;
+    if (converged)
+      commit_step();
+    return converged;
+  };
+  const bool balanced = balance_in_parts(clock, *stage, bodies, attempt);
+  forget_motion();
+  if (balanced)
+    log.report().line(fmt::format("step {}: the soil was brought into balance before the load goes on", step_number));
+  return balanced;
+}
+
 /// Fits soil and mesh to where the bodies are, then sets up basis, numbering, contact pairs and matrix.
 template <int dim> void Simulation<dim>::prepare_step()
 {
@@ -252,9 +277,7 @@ template <int dim> void Simulation<dim>::prepare_step()
   adapt();
   log.warn_of_cut_domains(soil.particles().n_cut(), step_number);
   step = make_step();
-  if (take_reference_gaps)
-    soil.contact().take_reference_gaps(bodies);
-  take_reference_gaps = false;
+  replaces_soil = false;
 }
 
 template <int dim> void Simulation<dim>::move_window()
@@ -283,16 +306,18 @@ template <int dim> void Simulation<dim>::clean()
 
 template <int dim> void Simulation<dim>::adapt()
 {
-  if (stage->adaptivity.type != AdaptivityType::rigid_body_surface || !stage->rigid_bodies)
-    return;
   const auto scope = log.timings().measure("adapt");
-  soil.adapt(bodies, stage->adaptivity);
+  if (stage->adaptivity.type == AdaptivityType::rigid_body_surface && stage->rigid_bodies)
+    soil.adapt(bodies, stage->adaptivity);
+  else if (const auto& grid = soil.mesh().layout(); grid.finest_size < grid.base_size)
+    soil.split(bodies); // the cells stay as the last stage has left them
 }
 
 template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 {
   const StepContext<dim> context{input.gravity, input.basis, input.solver,  *stage,
-                                 soil,          bodies,      log.timings(), body_force ? &*body_force : nullptr};
+                                 soil,          bodies,      log.timings(), body_force ? &*body_force : nullptr,
+                                 replaces_soil};
   if (stage->stepping.type == StageType::explicit_)
   {
     auto explicit_step = std::make_unique<ExplicitStep<dim>>(context);
@@ -304,19 +329,8 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 
 template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
-  StepLoad load;
-  load.gravity_factor = stage->stepping.load == GravityLoad::ramp ? clock.steps_after() / clock.requested_steps() : 1.;
-  load.start_time = clock.steps_done() * step_length(stage->stepping);
-  load.end_time = clock.steps_after() * step_length(stage->stepping);
-  load.step_fraction = clock.step_fraction();
-  load.newmark = {stage->stepping.beta, stage->stepping.gamma,
-                  stage->stepping.type == StageType::dynamic ? clock.step_fraction() * stage->stepping.dt : 0.};
-  load.begins_stage = log.steps_in_stage() == 0;
-  load.starts_at_rest =
-      load.begins_stage && (stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
-  for (const RigidPoint& point : bodies.points)
-    load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
-  return load;
+  return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
+                        stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
 }
 
 /// Makes the trial state of soil and bodies the committed one.

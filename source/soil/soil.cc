@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/particles/expressions.h>
@@ -13,6 +14,34 @@ namespace
 {
 /// Work of the busiest rank over the mean above which a repartition pays.
 constexpr double worst_imbalance = 1.1;
+
+/// Samples per axis of a box.
+constexpr unsigned int samples = 4;
+
+/// Whether more than half of a box lies inside the bodies. Beside one face that is where its centre does; between two
+/// bodies, or in a corner, there may be no room for a particle whose centre lies outside.
+template <int dim>
+bool is_mostly_inside(const RigidSystems& bodies, const dealii::Point<dim>& centre, const double* half_width)
+{
+  double radius = 0.;
+  for (unsigned int d = 0; d < dim; ++d)
+    radius += half_width[d];
+  const auto is_far = [&](const WeldedSurface& welded) {
+    return welded.surface.surely_farther_than(bodies.points[welded.point].pose.to_body(to_world<dim>(centre)), radius);
+  };
+  if (std::all_of(bodies.surfaces.begin(), bodies.surfaces.end(), is_far))
+    return false;
+  const unsigned int n = dim == 3 ? samples * samples * samples : samples * samples;
+  unsigned int inside = 0;
+  for (unsigned int sample = 0; sample < n; ++sample)
+  {
+    dealii::Point<dim> x = centre;
+    for (unsigned int d = 0, rest = sample; d < dim; ++d, rest /= samples)
+      x[d] += ((2. * (rest % samples) + 1.) / samples - 1.) * half_width[d];
+    inside += is_inside(bodies, to_world<dim>(x));
+  }
+  return 2 * inside > n;
+}
 
 Materials upload_layers(const std::vector<Layer>& layers)
 {
@@ -147,7 +176,8 @@ template <int dim> long long Soil<dim>::remove_buried(const RigidSystems& bodies
       [&](const auto& particle)
       {
         const dealii::Point<dim> x = particle.get_location();
-        return is_inside(bodies, to_world<dim>(x));
+        return is_inside(bodies, to_world<dim>(x)) ||
+               is_mostly_inside<dim>(bodies, x, &particle.get_properties()[field::half_width]);
       });
   deleted += removed;
   return removed;

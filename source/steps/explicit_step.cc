@@ -3,6 +3,7 @@
 #include <kedge/assembly/inertia.h>
 #include <kedge/base/communication.h>
 #include <kedge/steps/explicit_step.h>
+#include <kedge/steps/wished_in_place.h>
 #include <limits>
 
 namespace kedge
@@ -32,6 +33,8 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
     RigidStep whole = rigid_step();
     whole.dt = step_length(context.stage.stepping);
     find_contact_pairs(context, basis.nodes, whole);
+    if (context.replaces_soil)
+      replace_soil(context, basis);
   }
 
   const auto scope = context.timings.measure("lumped mass");

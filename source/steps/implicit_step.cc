@@ -4,6 +4,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/steps/implicit_step.h>
+#include <kedge/steps/wished_in_place.h>
 
 namespace kedge
 {
@@ -40,6 +41,8 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
 {
   if (context.stage.rigid_bodies)
     find_contact_pairs(context, basis.nodes, rigid_step());
+  if (context.replaces_soil)
+    replace_soil(context, basis);
 
   const auto scope = context.timings.measure("sparsity");
   const std::vector<unsigned char> constrained = find_constrained_dofs(context, basis.nodes);
@@ -133,6 +136,7 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
   { return solve_linearised(x, r, dx, how); };
   context.soil.contact().reset_multipliers();
+  keep_unbalanced();
   choose_start(problem);
   NewtonReport report = solve_newton(problem, *increment, context.solver);
   double factor = 1., excess = context.soil.contact().excess();
@@ -224,6 +228,19 @@ template <int dim> void ImplicitStep<dim>::find_first_acceleration()
   load = first;
 }
 
+/// The share of the forces at rest, before the load of the step, that it leaves as they are.
+template <int dim> void ImplicitStep<dim>::keep_unbalanced()
+{
+  kept_unbalanced = Teuchos::null;
+  if (load.share_balanced >= 1.)
+    return;
+  const Teuchos::RCP<TpetraVector> start = Teuchos::rcp(new TpetraVector(increment->getMap()));
+  increment->putScalar(0.);
+  residual(*increment, *start);
+  start->scale(1. - load.share_balanced);
+  kept_unbalanced = start;
+}
+
 template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
 {
   const Prediction& prediction = context.soil.prediction();
@@ -284,6 +301,8 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   const auto nodal_residual = rigid_unknowns->nodal(r);
   system->collect(force, *nodal_residual);
   system->zero_constrained(*nodal_residual);
+  if (!kept_unbalanced.is_null())
+    nodal_residual->update(-1., *rigid_unknowns->nodal(*kept_unbalanced), 1.);
   if (sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) > 0)
     return INFINITY;
   if (!rigid_unknowns->empty())

@@ -45,6 +45,37 @@ std::vector<unsigned char> find_full_leaves(const LeafTable<dim>& table, const s
     is_full[leaf] = contents[leaf].initial_volume >= full_share * std::pow(table.leaves[leaf].size, dim);
   return is_full;
 }
+
+/// How far each particle may move in a requested step, m: at its velocity, in static stages as its cell did in the last
+/// step.
+template <int dim> std::vector<double> find_travel(const StepContext<dim>& context)
+{
+  const ParticleSet<dim>& particles = context.soil.particles();
+  std::vector<double> travel(particles.ids().size(), 0.);
+  if (context.stage.stepping.type != StageType::static_)
+  {
+    const auto velocity = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), particles.arrays().velocity);
+    for (std::size_t p = 0; p < travel.size(); ++p)
+      travel[p] = std::hypot(velocity(p, 0), velocity(p, 1), velocity(p, 2)) * step_length(context.stage.stepping);
+    return travel;
+  }
+  const Prediction& prediction = context.soil.prediction();
+  if (prediction.empty())
+    return travel;
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
+  for (std::size_t p = 0; p < travel.size(); ++p)
+  {
+    const auto& leaf = table.leaves[particles.leaves()[p]];
+    for (unsigned int i = leaf.node_begin; i < leaf.node_begin + leaf.n_nodes; ++i)
+    {
+      double square = 0.;
+      for (unsigned int d = 0; d < dim; ++d)
+        square += prediction[dim * table.nodes[i] + d] * prediction[dim * table.nodes[i] + d];
+      travel[p] = std::max(travel[p], std::sqrt(square));
+    }
+  }
+  return travel;
+}
 } // namespace
 
 double StepBasis::bytes() const
@@ -134,9 +165,10 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
   const ParticleSet<dim>& particles = context.soil.particles();
   const std::vector<double> volume = download(particles.arrays().initial_volume);
   const std::vector<double> young = download(particles.arrays().young);
-  context.soil.contact().find_pairs(bodies, context.soil.mesh().leaves(),
-                                    {particles.positions(), particles.half_widths(), particles.ids(), volume, young},
-                                    nodes.number, reach);
+  const std::vector<double> travel = find_travel(context);
+  context.soil.contact().find_pairs(
+      bodies, context.soil.mesh().leaves(),
+      {particles.positions(), particles.half_widths(), particles.ids(), volume, young, travel}, nodes.number, reach);
 }
 
 template <int dim>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <kedge/basis/gimp.h>
 #include <kedge/bodies/rigid_systems.h>
 #include <kedge/contact/coulomb.h>
@@ -20,6 +21,7 @@ template <int dim> struct ContactParticles
   const std::vector<std::array<double, dim>>&centre, &half_width;
   const std::vector<long long>& id;
   const std::vector<double>&initial_volume, &young; ///< m3 (2-D: m2), Pa
+  const std::vector<double>& travel;                ///< how far it may move in the step, m
 };
 
 /// How contact couples soil and bodies at the last evaluation: exact derivatives, where the motion of a rigid point is
@@ -65,13 +67,19 @@ public:
   Contact(const ContactParameters& parameters, MPI_Comm communicator);
 
   /// Finds the corners that could touch a body during the next step and their nodes. `reach` is how far beyond its own
-  /// size a particle is looked at, m. Collective. `number` maps leaf-table nodes to active ones.
+  /// size and travel a particle is looked at, m. Collective. `number` maps leaf-table nodes to active ones.
   void find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table, const ContactParticles<dim>& particles,
                   const std::vector<unsigned int>& number, double reach);
 
   /// Takes the penetration of every pair as its reference, for bodies that are buried from the start. Bonds pairs of
   /// bonded surfaces that are nearer than half a particle's size where they are.
   void take_reference_gaps(const RigidSystems& bodies);
+
+  /// After that: gives corners nearer than half a particle's size the forces, within what pressure and friction (of
+  /// bonded ones: the bond) allow, that come nearest to `missing`: what soil and weight lack for balance at rest, N,
+  /// dim per local node and the sum over the ranks. `sum` makes such a sum of what this rank adds. Collective.
+  void replace_support(const RigidSystems& bodies, std::vector<double> missing,
+                       const std::function<void(std::vector<double>&)>& sum);
 
   /// Goes back to the multipliers, tangential forces and planes that the step started with.
   void reset_multipliers();

@@ -7,4 +7,7 @@ namespace kedge
 {
 /// The grid that an input asks for; every size named in any stage counts.
 template <int dim> GridLayout<dim> make_grid_layout(const Input& input);
+
+/// By layer, the state variables that its law uses.
+std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers);
 } // namespace kedge

@@ -25,6 +25,7 @@ template <int dim> struct StepContext
   const RigidSystems& bodies; ///< at the start of the step
   Timings& timings;
   const BodyForce<dim>* body_force = nullptr; ///< on the soil beside gravity, or none
+  bool replaces_soil = false;                 ///< the bodies have just taken the place of soil (wished in place)
 };
 
 /// What acts during a step.
@@ -33,6 +34,7 @@ struct StepLoad
   double gravity_factor = 1.;
   double start_time = 0., end_time = 0.; ///< of the step in its stage: s, or a fraction of the load
   double step_fraction = 1.;             ///< of a requested step
+  double share_balanced = 1.;            ///< of the forces that nothing balances at the start (static steps)
   Newmark newmark;                       ///< with a dt of 0 in static and explicit stages
   bool starts_at_rest = false;           ///< the first acceleration follows from the forces, not from the particles
   bool begins_stage = false;             ///< those of the bodies are not known: other dofs may have become free

@@ -64,9 +64,10 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
     const auto volume = on_host(particles.arrays().initial_volume), stiffness = on_host(particles.arrays().young);
     const std::vector<double> volumes(volume.data(), volume.data() + volume.extent(0));
     const std::vector<double> moduli(stiffness.data(), stiffness.data() + stiffness.extent(0));
+    const std::vector<double> travel(particles.ids().size(), 0.);
     contact.find_pairs(bodies, table,
-                       {particles.positions(), particles.half_widths(), particles.ids(), volumes, moduli}, nodes.number,
-                       reach);
+                       {particles.positions(), particles.half_widths(), particles.ids(), volumes, moduli, travel},
+                       nodes.number, reach);
   }
 
   const Position& node_position(const unsigned int v) const { return mesh.leaves().node_position[nodes.mesh_node[v]]; }

@@ -1,0 +1,114 @@
+// What bodies carry that have taken the place of soil.
+#include <algorithm>
+#include <kedge/base/communication.h>
+#include <kedge/base/world_axes.h>
+#include <kedge/contact/contact.h>
+#include <limits>
+
+namespace kedge
+{
+namespace
+{
+constexpr unsigned int most_sweeps = 200;
+constexpr double support_distance = 0.5 - 1e-6; ///< in sizes of the particle: of two corners on either side one carries
+constexpr double least_gain = 1e-3; ///< of a sweep, as a share of the squared imbalance at the corners' nodes
+
+double squared_norm(const std::vector<double>& x)
+{
+  double sum = 0.;
+  for (const double value : x)
+    sum += value * value;
+  return sum;
+}
+
+/// The nearest force that the contact law allows: pressure, and along the surface no more than it can hold.
+Eigen::Vector3d admissible(const Eigen::Vector3d& force, const Eigen::Vector3d& normal,
+                           const ContactStiffness& stiffness, const bool bonded)
+{
+  const double pressure = bonded ? force.dot(normal) : std::max(0., force.dot(normal));
+  const Eigen::Vector3d along = force - force.dot(normal) * normal;
+  const double limit = pressure > 0. || bonded ? slip_limit(stiffness, pressure, bonded).force : 0.,
+               size = along.norm();
+  return pressure * normal + (size > limit ? limit / size : 1.) * along;
+}
+} // namespace
+
+/// Each sweep hands what is missing at a node to its corners in equal shares per weight (Landweber's iteration; the
+/// sums of the rows of weights bound its step). Forces start from zero, so that of all that balance they are small.
+template <int dim>
+void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<double> missing,
+                                   const std::function<void(std::vector<double>&)>& sum)
+{
+  struct Carrier
+  {
+    Pair* pair;
+    double gap;
+    Eigen::Vector3d normal, force;
+  };
+  std::vector<Carrier> carriers;
+  std::vector<double> weight(missing.size(), 0.);
+  const auto for_each_dof = [&](const Carrier& carrier, const auto& visit)
+  {
+    for (unsigned int v = points.begin[carrier.pair->point]; v < points.begin[carrier.pair->point + 1]; ++v)
+      for (unsigned int d = 0; d < dim; ++d)
+        visit(dim * points.nodes[v] + d, world_axis(dim, d), points.weights[v]);
+  };
+  for (Pair& pair : pairs)
+  {
+    const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+    const Pose& pose = bodies.points[welded.point].pose;
+    const auto closest = welded.surface.closest_point_within(pose.to_body(pair.start), support_distance * pair.size);
+    if (!closest)
+      continue;
+    carriers.push_back({&pair, closest->gap, pose.direction_to_world(closest->normal), Eigen::Vector3d::Zero()});
+    for_each_dof(carriers.back(), [&](const std::size_t dof, unsigned int, const double w) { weight[dof] += w; });
+  }
+  sum(weight);
+  for (std::size_t i = 0; i < missing.size(); ++i)
+    if (weight[i] == 0.)
+      missing[i] = 0.; // no corner reaches this node
+
+  std::vector<double> left = missing;
+  double before = std::numeric_limits<double>::infinity();
+  for (unsigned int sweep = 0; sweep < most_sweeps; ++sweep)
+  {
+    const double now = sum_over_ranks(squared_norm(left), communicator);
+    if (now == 0. || now > (1. - least_gain) * before)
+      break;
+    before = now;
+    std::vector<double> carried(missing.size(), 0.);
+    for (Carrier& carrier : carriers)
+    {
+      Eigen::Vector3d force = carrier.force;
+      for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
+                   { force[axis] += w > 0. ? w * left[dof] / weight[dof] : 0.; });
+      carrier.force = admissible(force, carrier.normal, carrier.pair->stiffness, carrier.pair->committed.bonded);
+      for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
+                   { carried[dof] += w * carrier.force[axis]; });
+    }
+    sum(carried);
+    for (std::size_t i = 0; i < left.size(); ++i)
+      left[i] = weight[i] > 0. ? missing[i] - carried[i] : 0.;
+  }
+
+  for (const Carrier& carrier : carriers)
+  {
+    Pair& pair = *carrier.pair;
+    History& state = pair.committed;
+    state.pressure = carrier.force.dot(carrier.normal);
+    state.tangential = carrier.force - state.pressure * carrier.normal;
+    if (state.pressure == 0. && !state.bonded)
+      continue;
+    if (parameters.method == ContactMethod::augmented_lagrangian && !state.bonded)
+      state.multiplier = state.pressure;
+    state.reference_gap = carrier.gap + (state.pressure - state.multiplier) / pair.stiffness.normal;
+    pair.trial = pair.augmented = state;
+    history[pair.key] = state;
+  }
+}
+
+template void Contact<2>::replace_support(const RigidSystems&, std::vector<double>,
+                                          const std::function<void(std::vector<double>&)>&);
+template void Contact<3>::replace_support(const RigidSystems&, std::vector<double>,
+                                          const std::function<void(std::vector<double>&)>&);
+} // namespace kedge
