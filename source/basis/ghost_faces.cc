@@ -9,9 +9,6 @@ namespace kedge
 {
 namespace
 {
-/// Jump of the gradient of increments that soil without stress takes elastically.
-constexpr double elastic_jump = 1e-5;
-
 /// Adds J of the face between a leaf and its neighbour. The face is that of the leaf, which must not be the larger one.
 template <int dim>
 void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsigned int neighbour,
@@ -47,7 +44,6 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
         sum += jumps[q][a] * jumps[q][b];
       faces.value.push_back(h * h * h / 3. * area / n_points * sum);
     }
-  faces.extent.push_back(h * h * h / 3. * area);
   faces.nodes.insert(faces.nodes.end(), nodes.begin(), nodes.end());
   faces.node_begin.push_back(faces.nodes.size());
   faces.value_begin.push_back(faces.value.size());
@@ -77,11 +73,9 @@ HostGhostFaces find_ghost_faces(const LeafTable<dim>& table, const std::vector<L
           continue;
         add_face(table, leaf, other, axis, upper, faces);
         const LeafContent &here = contents[leaf], &there = contents[other];
-        faces.stiffness.push_back(0.5 * factors.stiffness *
+        const double h = std::min(size, other_size);
+        faces.stiffness.push_back(0.5 * (factors.stiffness + factors.relative_stiffness / (h * h)) *
                                   (here.stiffness / here.volume + there.stiffness / there.volume));
-        faces.limit.push_back(
-            elastic_jump + (here.strength / here.volume + there.strength / there.volume) /
-                               (here.stiffness / here.volume + there.stiffness / there.volume));
         faces.mass.push_back(0.5 * factors.mass * (here.mass / here.volume + there.mass / there.volume));
       }
   }
@@ -94,8 +88,7 @@ GhostFaces upload_ghost_faces(HostGhostFaces&& host, const std::vector<unsigned 
     node = number[node];
   return {upload(host.node_begin, "ghost node begin"),   upload(host.nodes, "ghost nodes"),
           upload(host.value_begin, "ghost value begin"), upload(host.value, "ghost values"),
-          upload(host.stiffness, "ghost stiffness"),     upload(host.extent, "ghost extent"),
-          upload(host.limit, "ghost limit"),             upload(host.mass, "ghost mass")};
+          upload(host.stiffness, "ghost stiffness"),     upload(host.mass, "ghost mass")};
 }
 
 template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, const GhostFactors&);

@@ -126,7 +126,6 @@ void LeafContent::add(const LeafContent& other)
   volume += other.volume;
   initial_volume += other.initial_volume;
   stiffness += other.stiffness;
-  strength += other.strength;
   mass += other.mass;
   for (unsigned int i = 0; i < 3; ++i)
   {
@@ -172,7 +171,6 @@ std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const S
       content.volume += overlap.fraction * volume;
       content.initial_volume += overlap.fraction * soil.initial_volume[p];
       content.stiffness += overlap.fraction * volume * soil.young[p];
-      content.strength += overlap.fraction * volume * soil.shear_stress[p];
       content.mass += overlap.fraction * soil.mass[p];
       const auto& leaf = table.leaves[overlap.leaf];
       const std::array<double, dim> middle = box.middle_of(overlap);

@@ -13,6 +13,8 @@ constexpr double facets = 0.9; // a rounding of a few facets measures a little l
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
 constexpr unsigned int most_points = 4;
+/// Strength of the ghost stabilisation from which on it costs accuracy, no unit.
+constexpr double strongest_ghost = 0.3;
 constexpr double most_poor = 0.5;
 constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 5.; // of contact springs
 
@@ -85,8 +87,13 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
 }
 
 /// About choices that experiments have shown to be poor; the manual has the numbers.
-void add_warnings_about_choices(const Input& input, std::vector<std::string>& warnings)
+void add_warnings_about_choices(const Input& input, const double finest_size, std::vector<std::string>& warnings)
 {
+  const double ghost = input.solver.ghost_factor.value_or(0.) * finest_size * finest_size;
+  if (ghost > strongest_ghost)
+    warnings.push_back(fmt::format("\"ghost factor\" {:.3g} is {:.2g} over the square of the finest cells, which stiffens "
+                                   "soil that flows; take 0.02 over it, as without the key",
+                                   *input.solver.ghost_factor, ghost));
   const unsigned int points = input.material_points.points_per_axis;
   if (points == 1)
     warnings.push_back("one material point per axis of a cell leaves empty cells where soil stretches; take 2");
@@ -148,7 +155,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
         "base cells are {:.4g} m instead of the {:.4g} m requested: the base size must be the smallest size of "
         "any stage, {:.4g} m, times a power of two",
         grid.base_size, input.material_points.element_size, grid.finest_size));
-  add_warnings_about_choices(input, warnings);
+  add_warnings_about_choices(input, grid.finest_size, warnings);
   add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);

@@ -97,7 +97,7 @@ template <int dim> std::vector<unsigned char> CellAdaptation<dim>::find_soil() c
 {
   const std::vector<double> nothing(particles.positions().size(), 0.); // the volume is all that counts here
   const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-      mesh.leaves(), {particles.positions(), particles.half_widths(), nothing, nothing, nothing, nothing}, 0.,
+      mesh.leaves(), {particles.positions(), particles.half_widths(), nothing, nothing, nothing}, 0.,
       mesh.triangulation().get_communicator());
   std::vector<unsigned char> holds_soil(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)

@@ -8,20 +8,6 @@ namespace
 /// Share of a cell that soil as dense as at the start must take for its particles to share their change of volume.
 constexpr double full_share = 0.5;
 
-/// sqrt(3 J2) of the Kirchhoff stress of every particle, Pa.
-std::vector<double> shear_stress_of(const ParticleArrays& arrays)
-{
-  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_stress);
-  std::vector<double> result(arrays.n);
-  for (std::size_t p = 0; p < arrays.n; ++p)
-  {
-    const double xy = stress(p, 0) - stress(p, 1), yz = stress(p, 1) - stress(p, 2), zx = stress(p, 2) - stress(p, 0);
-    const double shear = stress(p, 3) * stress(p, 3) + stress(p, 4) * stress(p, 4) + stress(p, 5) * stress(p, 5);
-    result[p] = std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3. * shear);
-  }
-  return result;
-}
-
 /// What the leaves (owned and ghost) hold. Collective.
 template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context)
 {
@@ -30,8 +16,7 @@ template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>
   const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
                             initial_volume = download(arrays.initial_volume);
   return find_leaf_contents<dim>(context.soil.mesh().leaves(),
-                                 {particles.positions(), particles.half_widths(), young, mass, initial_volume,
-                                  shear_stress_of(arrays)},
+                                 {particles.positions(), particles.half_widths(), young, mass, initial_volume},
                                  context.solver.poor_factor, context.soil.communicator());
 }
 
@@ -86,13 +71,19 @@ double StepBasis::bytes() const
          stencils.n_particles * (sizeof(unsigned int) + sizeof(std::size_t));
 }
 
+GhostFactors ghost_factors(const SolverParameters& solver)
+{
+  return {solver.ghost_factor.value_or(0.), solver.ghost_factor_mass,
+          solver.ghost_factor ? 0. : automatic_ghost_strength};
+}
+
 template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors)
 {
   const auto scope = context.timings.measure("basis");
   const ParticleSet<dim>& particles = context.soil.particles();
   const LeafTable<dim>& table = context.soil.mesh().leaves();
   const MPI_Comm communicator = context.soil.communicator();
-  const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.mass > 0.;
+  const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.relative_stiffness > 0. || ghost_factors.mass > 0.;
   const bool f_bar = context.soil.parameters().f_bar;
   const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(context) : std::vector<LeafContent>();
   const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)

@@ -9,18 +9,16 @@ namespace kedge
 /// Mass of pairs of nodes (kg), one number per entry of graph.column; it is the same for every component.
 using NodalMass = View<double*>;
 
-/// Adds weight w(s) J d to `force` for every component of the nodal vector d. `weight` holds one number per face: the
-/// faces' stiffness if d are increments (m), their mass if d are accelerations (m/s2). With `limited`, forces of faces
-/// whose jump s (root mean square over the face of the norm of the jump of the normal derivative) exceeds the faces'
-/// limit grow no more, w = limit / s, as those of soil that yields; least 0.001. Otherwise w = 1.
+/// Adds weight J d to `force` for every component of the nodal vector d. `weight` holds one number per face: the faces'
+/// stiffness if d are increments (m), their mass if d are accelerations (m/s2).
 template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
-                     const View<double*>& force, bool limited = false);
+                     const View<double*>& force);
 
-/// Adds the derivative of these forces. `nodal` counts only if they are limited.
+/// Adds weight J times the identity to the blocks of the faces' nodes.
 template <int dim>
 void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, const NodeGraph& graph,
-                      const View<double*>& values, const View<double*>& nodal = {}, bool limited = false);
+                      const View<double*>& values);
 
 /// Adds the ghost mass of the faces. It does not change the total mass (Coombs 2023, doi 10.1002/nme.7332).
 void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass);

@@ -11,20 +11,19 @@ namespace kedge
 /// leaves
 /// - volumes are scaled so that they fill the leaf, and
 /// - gradients are taken at places shifted so that the soil's centroid is the leaf's centre (3-D: less the mean of the
-///   bilinear part), and closer together by `hourglass share`.
+///   bilinear part).
 /// The sum of gradients over a full leaf is then that of the finite element with the same nodes, wherever the particles
 /// are, and uniform stress is in balance. Linear fields have the same gradient at every place, so they are reproduced.
 template <int dim> struct CellCorrection
 {
-  double scale = 1.;                  ///< of volumes
-  double share = 1.;                  ///< of distances from the centroid
-  std::array<double, dim> offset{};   ///< m
-  std::array<double, dim> twist{};    ///< taken off gradients by the sign of the vertex's natural coordinates, 1/m
+  double scale = 1.;               ///< of volumes
+  std::array<double, dim> shift{}; ///< of the places where gradients are taken, m
+  std::array<double, dim> twist{}; ///< added to gradients with the sign of the vertex's natural coordinates, 1/m
 
   std::array<double, dim> corrected(std::array<double, dim> x) const
   {
     for (unsigned int d = 0; d < dim; ++d)
-      x[d] = share * x[d] + offset[d];
+      x[d] += shift[d];
     return x;
   }
 };

@@ -16,8 +16,6 @@ struct HostGhostFaces
   std::vector<std::size_t> value_begin{0};
   std::vector<double> value;
   std::vector<double> stiffness; ///< factor times Young's modulus, N/m4
-  std::vector<double> extent;    ///< J over the mean over the face of the product of jumps, m5 (2-D: m4)
-  std::vector<double> limit;     ///< jump of the gradient of increments up to which the soil is taken for elastic
   std::vector<double> mass;      ///< factor times density, kg/m3
 };
 
@@ -26,7 +24,7 @@ struct GhostFaces
 {
   View<unsigned int*> node_begin, nodes;
   View<std::size_t*> value_begin;
-  View<double*> value, stiffness, extent, limit, mass;
+  View<double*> value, stiffness, mass;
 
   std::size_t n_faces() const { return stiffness.extent(0); }
 };
@@ -36,6 +34,7 @@ struct GhostFactors
 {
   double stiffness = 0.; ///< 1/m2, as in the published inputs; the strength is this times h^2
   double mass = 0.;      ///< no unit
+  double relative_stiffness = 0.; ///< no unit; adds this over h^2 of the face to the stiffness
 };
 
 /// Faces between a boundary leaf and a populated leaf, each on one rank (Coombs 2023, doi 10.1002/nme.7332). J is h^3 /

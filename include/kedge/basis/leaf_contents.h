@@ -13,7 +13,6 @@ template <int dim> struct SoilBoxes
 {
   const std::vector<std::array<double, dim>>&centre, &half_width; ///< m
   const std::vector<double>&young, &mass, &initial_volume;        ///< Pa, kg (2-D: kg/m), m3 (m2)
-  const std::vector<double>& shear_stress;                        ///< sqrt(3 J2) as the step begins, Pa
 };
 
 /// Soil in a leaf, over all ranks. Each leaf gets the share of a particle that it has of the particle's box.
@@ -22,7 +21,6 @@ struct LeafContent
   double volume = 0.;         ///< of the particles' boxes in it, m3 (2-D: m2)
   double initial_volume = 0.; ///< m3 (2-D: m2)
   double stiffness = 0.;      ///< volume times Young's modulus
-  double strength = 0.;       ///< volume times shear stress
   double mass = 0.;           ///< kg (2-D: kg/m)
   double boundary = 0.;       ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
   double full = 0.; ///< 1: soil takes the whole leaf, however unevenly its particles are spread

@@ -21,7 +21,9 @@ struct SolverParameters
   double force_tolerance = 3e-4; ///< unbalanced over acting forces, by node (steps/force_measure.h)
   unsigned int max_newton_iterations = 20;
   unsigned int max_linear_iterations = 100;
-  double poor_factor = 0.25, ghost_factor = 0., ghost_factor_mass = 0.;
+  double poor_factor = 0.25;
+  std::optional<double> ghost_factor; ///< 1/m2; without one the stabilisation is as strong at every level of the mesh
+  double ghost_factor_mass = 0.;
   bool line_search = true;
   LinearSolverChoice linear_solver = LinearSolverChoice::automatic;
   bool reuse = true;                         ///< keep the preconditioner while that is cheaper than a new one

@@ -14,7 +14,12 @@ public:
   static constexpr int dim = Dimension::value;
   using Position = std::array<double, dim>;
 
-  FBar() : block(test::soil_material<MohrCoulomb>()), system(block.parts->make_system(true)) {}
+  FBar() : FBar(true) {}
+  /// Stress that differs within cells, or none.
+  explicit FBar(const bool stressed)
+      : block(test::soil_material<MohrCoulomb>(), MPI_COMM_WORLD, stressed), system(block.parts->make_system(true))
+  {
+  }
 
   TpetraVector force(const typename test::Discretisation<dim>::Field& increment, const CellGroups& cells) const
   {
@@ -38,11 +43,18 @@ public:
   std::unique_ptr<System> system;
 };
 
+template <typename Dimension> class FBarOfUniformStress : public FBar<Dimension>
+{
+public:
+  FBarOfUniformStress() : FBar<Dimension>(false) {}
+};
+
 using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
 TYPED_TEST_SUITE(FBar, Dimensions, test::DimensionName);
+TYPED_TEST_SUITE(FBarOfUniformStress, Dimensions, test::DimensionName);
 } // namespace
 
-TYPED_TEST(FBar, ChangesNoForceOfALinearField)
+TYPED_TEST(FBarOfUniformStress, IsThatOfNoFBarInALinearField)
 {
   constexpr int dim = TypeParam::value;
   const auto dilation = [](const std::array<double, dim>& x, const unsigned int d) { return 0.05 * x[d]; };
@@ -53,14 +65,51 @@ TYPED_TEST(FBar, ChangesNoForceOfALinearField)
   EXPECT_GT(this->change(this->block.random_field(5e-3, 1)), 1e-3);
 }
 
-TYPED_TEST(FBar, ChangesNoForceInARotation)
+TYPED_TEST(FBar, TurnsItsForceWithARotation)
 {
   constexpr int dim = TypeParam::value;
   const double c = std::cos(0.5), s = std::sin(0.5);
   const auto rotation = [&](const std::array<double, dim>& x, const unsigned int d) {
     return d == 0 ? (c - 1.) * x[0] - s * x[1] : d == 1 ? s * x[0] + (c - 1.) * x[1] : 0.;
   };
-  EXPECT_LT(this->change(rotation), 1e-12);
+  const auto nothing = [](const auto&, unsigned int) { return 0.; };
+  const auto host = [](TpetraVector& vector) { return vector.getLocalViewHost(Tpetra::Access::ReadOnly); };
+  TpetraVector before = this->force(nothing, this->block.parts->cells), after = this->force(rotation, this->block.parts->cells);
+  const auto first = host(before), last = host(after);
+  const double scale = before.normInf();
+  for (std::size_t i = 0; i < first.extent(0); i += dim)
+  {
+    EXPECT_NEAR(last(i, 0), c * first(i, 0) - s * first(i + 1, 0), 1e-12 * scale);
+    EXPECT_NEAR(last(i + 1, 0), s * first(i, 0) + c * first(i + 1, 0), 1e-12 * scale);
+  }
+}
+
+TYPED_TEST(FBar, FeelsOnlyTheMeanPressureOfACell)
+{
+  constexpr int dim = TypeParam::value;
+  const auto nothing = [](const auto&, unsigned int) { return 0.; };
+  this->force(nothing, this->block.parts->cells); // finds the stresses
+  const ParticleArrays& arrays = this->block.particles.arrays();
+  const auto begin = on_host(this->block.parts->cells.particle_begin);
+  const auto shift = find_pressure_shifts<dim>(arrays, this->block.parts->stencils, this->block.parts->cells,
+                                               this->block.parts->nodal(nothing));
+  const auto stress = on_host(arrays.trial_stress);
+  const auto shifts = on_host(shift);
+  double spread = 0.;
+  for (std::size_t c = 0; c < this->block.parts->cells.n_cells(); ++c)
+    for (unsigned int p = begin(c); p < begin(c + 1); ++p)
+    {
+      const auto mean = [&](const unsigned int q)
+      {
+        double sum = 0.;
+        for (int d = 0; d < dim; ++d)
+          sum += stress(q, d) / dim;
+        return sum;
+      };
+      EXPECT_NEAR(mean(p) + shifts(p), mean(begin(c)) + shifts(begin(c)), 1e-9 * std::abs(mean(p)));
+      spread = std::max(spread, std::abs(shifts(p)));
+    }
+  EXPECT_GT(spread, 0.);
 }
 
 TYPED_TEST(FBar, GivesTheParticlesOfACellOneVolumeChangeAndKeepsItsVolume)

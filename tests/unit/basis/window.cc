@@ -44,7 +44,7 @@ public:
   std::vector<LeafContent> contents() const
   {
     const std::vector<double> ones(centre.size(), 1.);
-    return find_leaf_contents<dim>(table(), {centre, half_width, ones, ones, ones, ones}, 0., MPI_COMM_WORLD);
+    return find_leaf_contents<dim>(table(), {centre, half_width, ones, ones, ones}, 0., MPI_COMM_WORLD);
   }
 
   std::vector<Position> centre, half_width;
