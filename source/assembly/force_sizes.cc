@@ -13,8 +13,8 @@ void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet&
       KOKKOS_LAMBDA(const unsigned int i) {
         const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
         const Eigen::Matrix3d to_start = inverse(deformation_increment<dim>(stencils, increment, p));
-        const Eigen::Matrix3d flux =
-            integration_volume(particles, stencils, p) * full_matrix(row_of(particles.trial_stress, p)) * to_start.transpose();
+        const Eigen::Matrix3d flux = integration_volume(particles, stencils, p) *
+                                     full_matrix(row_of(particles.trial_stress, p)) * to_start.transpose();
         const ParticleNodes at = nodes_of(stencils, p);
         const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
         for (unsigned int v = 0; v < at.n; ++v)

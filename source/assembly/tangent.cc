@@ -88,10 +88,9 @@ template <int dim> struct TangentKernel
   /// With F-bar the stress follows the dilation of the cell instead of the particle's own, and the force its mean
   /// pressure. With the moduli of the stress alone, c_ijkl = a_ijkl + tau_il delta_jk, the particle's part is
   ///   a_ijkl - q_ij delta_kl - delta_ij m_kl + (p + s) delta_ij delta_kl - s delta_il delta_jk,
-  /// q_ij = sum_m c_ijmm / dim, t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and s its
-  /// shift. The rest belongs to the cell.
-  KEDGE_FUNCTION void share_dilation(const unsigned int p, const SymmetricTensor& stress,
-                                     SpatialTangent& tangent) const
+  /// q_ij = sum_m c_ijmm / dim, t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and s
+  /// its shift. The rest belongs to the cell.
+  KEDGE_FUNCTION void share_dilation(const unsigned int p, const SymmetricTensor& stress, SpatialTangent& tangent) const
   {
     const Eigen::Matrix3d tau = full_matrix(stress);
     double q[dim][dim], m[dim][dim], t = 0., mean = 0.;

@@ -13,7 +13,6 @@ using Member = Policy::member_type;
 /// strain in a step from which on soil flows. Soil at rest keeps the gradient of its pressure.
 constexpr double relaxed_share = 0.5, flow = 1e-3;
 
-
 /// Mean of the dim normal components of a particle's Kirchhoff stress, Pa.
 template <int dim> KEDGE_FUNCTION double mean_stress(const ParticleArrays& particles, const unsigned int p)
 {
@@ -48,9 +47,8 @@ template <int dim> struct MeanDilationKernel
         members, [&](const unsigned int p, double& sum) { sum += gather(p, first); }, total);
     Kokkos::parallel_reduce(
         members,
-        [&](const unsigned int p, double& sum) {
-          sum += integration_volume(particles, stencils, p) * (moduli.bulk(p) - mean_stress<dim>(particles, p));
-        },
+        [&](const unsigned int p, double& sum)
+        { sum += integration_volume(particles, stencils, p) * (moduli.bulk(p) - mean_stress<dim>(particles, p)); },
         stiffness);
     team.team_barrier();
     Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n),
@@ -242,7 +240,7 @@ void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stenci
   template void add_force_of_shared_pressure<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,         \
                                                   const NodalVector&, const NodalVector&);                             \
   template void add_mean_dilation<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                    \
-                                       const NodalVector&, const DilationModuli&, const NodeGraph&,                         \
+                                       const NodalVector&, const DilationModuli&, const NodeGraph&,                    \
                                        const View<double*>&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)

@@ -25,16 +25,13 @@ std::vector<CellCorrection<dim>> find_cell_corrections(const LeafTable<dim>& tab
     if constexpr (dim == 3)
       for (unsigned int d = 0; d < dim; ++d)
       {
-        const double mean =
-            content.mixed_moment[d] / content.volume - centroid[(d + 1) % 3] * centroid[(d + 2) % 3];
+        const double mean = content.mixed_moment[d] / content.volume - centroid[(d + 1) % 3] * centroid[(d + 2) % 3];
         correction.twist[d] = -mean / leaf.size;
       }
   }
   return corrections;
 }
 
-template std::vector<CellCorrection<2>> find_cell_corrections<2>(const LeafTable<2>&,
-                                                                 const std::vector<LeafContent>&);
-template std::vector<CellCorrection<3>> find_cell_corrections<3>(const LeafTable<3>&,
-                                                                 const std::vector<LeafContent>&);
+template std::vector<CellCorrection<2>> find_cell_corrections<2>(const LeafTable<2>&, const std::vector<LeafContent>&);
+template std::vector<CellCorrection<3>> find_cell_corrections<3>(const LeafTable<3>&, const std::vector<LeafContent>&);
 } // namespace kedge

@@ -15,7 +15,6 @@ constexpr double smallest_overlap = 1e-11;
 // centre.
 constexpr double point_box = 1e-6;
 
-
 /// Where a leaf's shape functions are taken, and with which weight.
 template <int dim> struct Sample
 {
@@ -154,8 +153,8 @@ const std::vector<NodeShare<dim>>& BoxAverage<dim>::average(const std::vector<Ce
     const CellCorrection<dim>& correction = corrections[overlap.leaf];
     const std::array<double, dim> middle = middle_of(overlap);
     const double weight = overlap.fraction * correction.scale;
-    add_leaf_shape<dim>(table, overlap.leaf, {middle, overlap.fraction},
-                        {correction.corrected(middle), weight}, correction.twist, shares);
+    add_leaf_shape<dim>(table, overlap.leaf, {middle, overlap.fraction}, {correction.corrected(middle), weight},
+                        correction.twist, shares);
     factor += weight;
   }
   for (NodeShare<dim>& share : shares)

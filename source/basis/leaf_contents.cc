@@ -12,10 +12,10 @@ namespace
 constexpr double across = 1e-3; // distance from a leaf, as a share of its size, at which to look for its neighbour
 
 /// A leaf counts as full from this filling on,
-constexpr double surely_full = 0.9;
+constexpr double surely_full = 0.89;
 /// and inside the soil, where all neighbours hold soil too, from this one on: the particles of soil that flows are
 /// spread unevenly.
-constexpr double full_inside = 0.5, filled_neighbour = 0.25;
+constexpr double full_inside = 0.49, filled_neighbour = 0.24;
 
 /// Name of a leaf that is the same on every rank: its lower corner in units of the finest cells that a forest can have.
 template <int dim> using LeafKey = std::array<long long, dim>;

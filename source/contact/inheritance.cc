@@ -15,12 +15,12 @@ constexpr double same_gap = 1e-6;
 template <int dim> constexpr unsigned int n_places = dim == 3 ? 27 : 9;
 
 /// Number of the place where a child's corner lies. Along axes that are not cut a child is as long as its parent.
-template <int dim>
-unsigned int place_of(const Split<dim>& split, const unsigned int octant, const unsigned int corner)
+template <int dim> unsigned int place_of(const Split<dim>& split, const unsigned int octant, const unsigned int corner)
 {
   unsigned int place = 0;
   for (unsigned int d = dim; d-- > 0;)
-    place = 3 * place + (split.is_cut_along(d) ? ((octant >> d) & 1u) + ((corner >> d) & 1u) : 2 * ((corner >> d) & 1u));
+    place =
+        3 * place + (split.is_cut_along(d) ? ((octant >> d) & 1u) + ((corner >> d) & 1u) : 2 * ((corner >> d) & 1u));
   return place;
 }
 

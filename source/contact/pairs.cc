@@ -21,6 +21,8 @@ constexpr double bonding_distance = 0.5 - 1e-6;
 
 /// How far from a surface a reference gap may wander, in sizes of the particle. Beyond, the box counts.
 constexpr double farthest_reference = 0.25;
+/// The same for corners off the surface that are not bonded.
+constexpr double farthest_off = 0.02;
 
 /// Springs and limits of a corner that stands for its share of a face of its particle (m3, in 2-D m2; young: Pa).
 template <int dim>
@@ -100,7 +102,9 @@ template <int dim> void Contact<dim>::settle(Pair& pair, const RigidSystems& bod
     return;
   const double balancing = carries ? closest->gap + (state.pressure - state.multiplier) / pair.stiffness.normal
                                    : std::min(first, closest->gap);
-  state.reference_gap = std::clamp(balancing, std::min(first, -limit), std::max(first, limit));
+  // a corner that its box has drawn off the surface hardly presses: at edges such ones would drag soil along
+  const double off = state.bonded ? limit : farthest_off * pair.size;
+  state.reference_gap = std::clamp(balancing, std::min(first, -limit), std::max(first, off));
 }
 
 template <int dim>

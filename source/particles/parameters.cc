@@ -50,9 +50,11 @@ Section<MaterialPointParameters> material_points_section()
       "sand that dilates worse");
   section.group("material size", Key::Presence::required, material_size_section(), "Plan extent of the block");
   section.required("layers", &P::layers, list_of(object_of(layer_section()), 1), "Soil layers from the surface down");
-  section.optional("F-bar", &P::f_bar, on_off(),
-                   "The material points of a cell share its mean change of volume: against locking where soil flows "
-                   "and keeps its volume; not for soil that dilates");
+  section.optional(
+      "F-bar", &P::f_bar, on_off(),
+      "Against locking where soil flows: the material points of a cell share its change of volume and its "
+      "pressure, full cells correct their quadrature, and domains follow the flow. For soil that keeps its "
+      "volume and for soil that dilates");
   section.group("initial stress", Key::Presence::optional, initial_stress_section(),
                 "Stress before the first stage; without it the soil starts free of stress");
   section.optional("initial velocity", &P::initial_velocity, expression_along_axes("m/s", initial_variables),

@@ -49,8 +49,8 @@ void divide_field(const FieldDeclaration& field, double* value, const std::size_
 
 /// By octant; those that lack an axis of the cut in their number are the same as others, and do not count.
 template <int dim>
-std::array<Piece<dim>, 1u << dim>
-cut_in_octants(const Piece<dim>& parent, const Split<dim>& split, const GridLayout<dim>& grid)
+std::array<Piece<dim>, 1u << dim> cut_in_octants(const Piece<dim>& parent, const Split<dim>& split,
+                                                 const GridLayout<dim>& grid)
 {
   using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::Matrix3d to_initial =
@@ -114,7 +114,8 @@ private:
 
   bool any_waiting() const { return sum_over_ranks(static_cast<long long>(waiting.size()), communicator) > 0; }
 
-  bool fits(const double* data, const double cell_size) const {
+  bool fits(const double* data, const double cell_size) const
+  {
     return axes_wider_than<dim>(data, limit * cell_size) == 0;
   }
 

@@ -42,6 +42,13 @@ CheckpointSchedule::~CheckpointSchedule()
     std::signal(SIGTERM, SIG_DFL);
 }
 
+void CheckpointSchedule::make_folder() const
+{
+  std::error_code ignored;
+  if (rank_of(MPI_COMM_WORLD) == 0)
+    std::filesystem::create_directories(std::filesystem::path(file).parent_path(), ignored);
+}
+
 bool CheckpointSchedule::due()
 {
   if (!listens)

@@ -74,7 +74,8 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
     return "Stiffer springs (\"normal penalty factor\"), a larger \"penetration tolerance\", or \"method\": "
            "\"penalty\" may help.";
   if (contains(failure, "linear system"))
-    return std::string("The system is close to singular: ") + (input.solver.ghost_factor.value_or(1.) > 0. ? "a larger" : "a") +
+    return std::string("The system is close to singular: ") +
+           (input.solver.ghost_factor.value_or(1.) > 0. ? "a larger" : "a") +
            " \"ghost factor\", a little cohesion, or \"linear solver\": \"direct\" may help, and conditions that hold "
            "every body and the soil.";
   if (contains(failure, "not finite"))

@@ -91,9 +91,10 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
 {
   const double ghost = input.solver.ghost_factor.value_or(0.) * finest_size * finest_size;
   if (ghost > strongest_ghost)
-    warnings.push_back(fmt::format("\"ghost factor\" {:.3g} is {:.2g} over the square of the finest cells, which stiffens "
-                                   "soil that flows; take 0.02 over it, as without the key",
-                                   *input.solver.ghost_factor, ghost));
+    warnings.push_back(
+        fmt::format("\"ghost factor\" {:.3g} is {:.2g} over the square of the finest cells, which stiffens "
+                    "soil that flows; take 0.02 over it, as without the key",
+                    *input.solver.ghost_factor, ghost));
   const unsigned int points = input.material_points.points_per_axis;
   if (points == 1)
     warnings.push_back("one material point per axis of a cell leaves empty cells where soil stretches; take 2");

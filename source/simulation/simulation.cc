@@ -1,4 +1,5 @@
 #include "step_limit.h"
+#include "time_loop.h"
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -16,66 +17,9 @@
 #include <kedge/soil/placement.h>
 #include <kedge/steps/explicit_step.h>
 #include <kedge/steps/implicit_step.h>
-#include <optional>
 
 namespace kedge
 {
-namespace
-{
-template <int dim> class Simulation
-{
-public:
-  Simulation(const Input& input, const RunOptions& options);
-  bool run();
-
-private:
-  void generate(const RunOptions& options);
-  void resume();
-  void enter_stage(unsigned int number);
-  void begin_stage(unsigned int number);
-  void forget_motion();
-  void bury_bodies();
-  bool run_stage();
-  void limit_steps(Clock& clock);
-  NewtonReport attempt_step(const Clock& clock);
-  bool bring_into_balance(const Clock& clock);
-  void prepare_step();
-  void move_window();
-  void clean();
-  void adapt();
-  std::unique_ptr<TrialStep<dim>> make_step();
-  StepLoad load_at(const Clock& clock) const;
-  void commit_step();
-  StepSummary summarise_step() const;
-  void write_output(const Clock& clock, bool even_if_not_due);
-  void write_restart_file(const Clock& clock);
-  [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
-  void end_stage();
-
-  const Input& input;
-  const Stage* stage = nullptr;
-  unsigned int stage_number = 0; ///< from 0
-  double finished_time = 0.;     ///< of the stages before: s, a static one counts 1
-  RunLog log;
-
-  Soil<dim> soil;
-  RigidSystems bodies;
-  OutputWriter<dim> writer;
-  CheckpointSchedule checkpoints;
-  std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
-
-  std::unique_ptr<TrialStep<dim>> step; ///< the current one; survives a cut
-  std::optional<BodyForce<dim>> body_force;
-  std::vector<Vector6> reactions; ///< of the last converged step, as the next
-  std::vector<typename Contact<dim>::Touch> touches;
-  bool has_warned_of_window = false;
-  unsigned int balanced_step = 0; ///< before which the soil was brought into balance last
-  bool replaces_soil = false;     ///< before the first step of a stage whose bodies are wished in place
-  long long dofs = 0;
-  double basis_bytes = 0.;
-  unsigned int step_number = 1; ///< global counter; the first converged step is number 2, as the file names have it
-};
-
 template <int dim>
 Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
     : input(input_),
@@ -371,11 +315,7 @@ template <int dim> void Simulation<dim>::write_output(const Clock& clock, const 
 template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
 {
   const auto scope = log.timings().measure("restart files");
-  if (rank_of(MPI_COMM_WORLD) == 0)
-  {
-    std::error_code ignored; // the writer reports what cannot be written
-    std::filesystem::create_directories(std::filesystem::path(checkpoints.path()).parent_path(), ignored);
-  }
+  checkpoints.make_folder();
   const RunProgress progress{stage_number,         clock.state(),        step_number,
                              log.steps_in_stage(), has_warned_of_window, log.text_of_stages()};
   write_checkpoint<dim>(soil, bodies, progress, input.effective_json, checkpoints.path());
@@ -401,7 +341,6 @@ template <int dim> void Simulation<dim>::end_stage()
   step.reset();
   log.end_stage(summarise_step(), soil.count_cells(), soil.particles().bytes(), basis_bytes);
 }
-} // namespace
 
 bool run_simulation(const Input& input, const RunOptions& options)
 {

@@ -192,8 +192,7 @@ template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, cons
   }
   guess = increments.prediction;
   const DomainUpdate automatic = given.f_bar ? DomainUpdate::flow : DomainUpdate::none;
-  points.commit(increments.particles,
-                given.domain_update == DomainUpdate::automatic ? automatic : given.domain_update);
+  points.commit(increments.particles, given.domain_update == DomainUpdate::automatic ? automatic : given.domain_update);
   follow_particles();
 }
 

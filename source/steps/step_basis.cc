@@ -6,7 +6,7 @@ namespace kedge
 namespace
 {
 /// Share of a cell that soil as dense as at the start must take for its particles to share their change of volume.
-constexpr double full_share = 0.5;
+constexpr double full_share = 0.49;
 
 /// What the leaves (owned and ghost) hold. Collective.
 template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context)
@@ -83,11 +83,12 @@ template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, co
   const ParticleSet<dim>& particles = context.soil.particles();
   const LeafTable<dim>& table = context.soil.mesh().leaves();
   const MPI_Comm communicator = context.soil.communicator();
-  const bool has_ghosts = ghost_factors.stiffness > 0. || ghost_factors.relative_stiffness > 0. || ghost_factors.mass > 0.;
+  const bool has_ghosts =
+      ghost_factors.stiffness > 0. || ghost_factors.relative_stiffness > 0. || ghost_factors.mass > 0.;
   const bool f_bar = context.soil.parameters().f_bar;
   const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(context) : std::vector<LeafContent>();
   const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
-                                                                 : std::vector<CellCorrection<dim>>();
+                                                                : std::vector<CellCorrection<dim>>();
   HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
                                           context.basis == Basis::mpm, corrections);
   std::vector<unsigned char> used(table.node_ids.size(), 0);

@@ -16,9 +16,9 @@ View<double*> find_volume_factors(const ParticleArrays& particles, const Stencil
                                   const NodalVector& increment);
 
 /// What must be added to the dim normal components of the Kirchhoff stress of every particle (Pa) so that its nodal
-/// forces do the work of the shared volume change: J sum(V p) / sum(V J) - p over the particles of its cell, p the mean of
-/// these components and V the integration volume. Reads the trial stress of the same increment. Zero for a particle with
-/// J <= 0; empty if `cells` is.
+/// forces do the work of the shared volume change: J sum(V p) / sum(V J) - p over the particles of its cell, p the mean
+/// of these components and V the integration volume. Reads the trial stress of the same increment. Zero for a particle
+/// with J <= 0; empty if `cells` is.
 template <int dim>
 View<double*> find_pressure_shifts(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                                    const NodalVector& increment);
@@ -37,9 +37,10 @@ void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils,
 /// How a particle's stress, less its mean, and its mean stress answer to dilation, Pa.
 struct DilationModuli
 {
-  View<double* [9]> stress;   ///< change of stress per dilation of the cell, less its mean; row-major, dim x dim used
-  View<double* [9]> pressure; ///< change of the mean stress with the displacement gradient at a held dilation of the cell
-  View<double*> bulk;         ///< change of the mean stress per dilation of the cell
+  View<double* [9]> stress; ///< change of stress per dilation of the cell, less its mean; row-major, dim x dim used
+  View<double* [9]>
+      pressure;       ///< change of the mean stress with the displacement gradient at a held dilation of the cell
+  View<double*> bulk; ///< change of the mean stress per dilation of the cell
 };
 
 /// Adds the part of the tangent that comes from the mean dilation and pressure of the cells, with h = dF^-T grad S,

@@ -32,8 +32,8 @@ struct GhostFaces
 /// How strong the stabilisation is.
 struct GhostFactors
 {
-  double stiffness = 0.; ///< 1/m2, as in the published inputs; the strength is this times h^2
-  double mass = 0.;      ///< no unit
+  double stiffness = 0.;          ///< 1/m2, as in the published inputs; the strength is this times h^2
+  double mass = 0.;               ///< no unit
   double relative_stiffness = 0.; ///< no unit; adds this over h^2 of the face to the stiffness
 };
 

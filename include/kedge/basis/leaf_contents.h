@@ -18,13 +18,13 @@ template <int dim> struct SoilBoxes
 /// Soil in a leaf, over all ranks. Each leaf gets the share of a particle that it has of the particle's box.
 struct LeafContent
 {
-  double volume = 0.;         ///< of the particles' boxes in it, m3 (2-D: m2)
-  double initial_volume = 0.; ///< m3 (2-D: m2)
-  double stiffness = 0.;      ///< volume times Young's modulus
-  double mass = 0.;           ///< kg (2-D: kg/m)
-  double boundary = 0.;       ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
-  double full = 0.; ///< 1: soil takes the whole leaf, however unevenly its particles are spread
-  std::array<double, 3> moment{}; ///< volume times place, from the leaf's centre in sizes of the leaf
+  double volume = 0.;                   ///< of the particles' boxes in it, m3 (2-D: m2)
+  double initial_volume = 0.;           ///< m3 (2-D: m2)
+  double stiffness = 0.;                ///< volume times Young's modulus
+  double mass = 0.;                     ///< kg (2-D: kg/m)
+  double boundary = 0.;                 ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
+  double full = 0.;                     ///< 1: soil takes the whole leaf, however unevenly its particles are spread
+  std::array<double, 3> moment{};       ///< volume times place, from the leaf's centre in sizes of the leaf
   std::array<double, 3> mixed_moment{}; ///< volume times y z, z x, x y of that place
 
   /// Adds what another rank's particles bring. Marks stay as they are.

@@ -186,10 +186,10 @@ private:
     History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
     double gap = 0.;             ///< signed distance in the last evaluation
     double reference_gap = 0.;   ///< in the last evaluation: faded
-    Eigen::Vector3d fading = Eigen::Vector3d::Zero();  ///< d reference gap / d place of the body
-    Eigen::Vector3d carried = Eigen::Vector3d::Zero(); ///< the corner's start, moved with the body, m
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< out of the body, in the last evaluation
-    Eigen::Vector3d slip = Eigen::Vector3d::Zero();    ///< in the last evaluation, in the body's frame, m
+    Eigen::Vector3d fading = Eigen::Vector3d::Zero();     ///< d reference gap / d place of the body
+    Eigen::Vector3d carried = Eigen::Vector3d::Zero();    ///< the corner's start, moved with the body, m
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
+    Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
     Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
     KnownDistance known;                                  ///< in the body's frame
     bool on_plane = false;                                ///< a plane stands for the surface

@@ -22,6 +22,8 @@ public:
 
   /// The restart file; each replaces the one before.
   const std::string& path() const { return file; }
+  /// Makes the folder of the restart file, on rank 0; the writer reports what cannot be written.
+  void make_folder() const;
   /// Whether a file is due after a converged step: by the interval, or because the run is told to end. Ranks agree.
   /// Collective.
   bool due();

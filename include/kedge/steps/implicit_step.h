@@ -60,7 +60,7 @@ private:
   NodalVector first_body_force, last_body_force; ///< the same at both ends of the step
   NodalVector given_sizes; ///< sizes of weight, body force and momentum over the stage, N, in entry dim * v
   Teuchos::RCP<TpetraVector> kept_unbalanced; ///< N: what a step need not balance of its start's residual; or null
-  double weight_norm = 0.; ///< N: what residuals are measured by where the input asks for it
+  double weight_norm = 0.;                    ///< N: what residuals are measured by where the input asks for it
   ForceMeasure force_measure;
   double body_weight = 0., body_scale = 0., body_lever = 1.; ///< N, N, m: of residuals of free bodies
   StepLoad load;

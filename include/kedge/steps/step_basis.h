@@ -21,7 +21,8 @@ struct StepBasis
   double bytes() const;
 };
 
-/// Strength of the ghost stabilisation of an input that names no factor: enough for slivers, and clay does not notice it.
+/// Strength of the ghost stabilisation of an input that names no factor: enough for slivers, and clay does not notice
+/// it.
 constexpr double automatic_ghost_strength = 0.02;
 
 GhostFactors ghost_factors(const SolverParameters& solver);

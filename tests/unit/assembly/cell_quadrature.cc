@@ -17,19 +17,18 @@ public:
     const ParticleArrays& arrays = block.particles.arrays();
     const std::vector<double> young = download(arrays.young), mass = download(arrays.mass);
     volume = download(arrays.initial_volume);
-    contents = find_leaf_contents<dim>(table(), {block.particles.positions(), block.particles.half_widths(), young, mass,
-                                                 volume},
-                                       0.25, MPI_COMM_WORLD);
+    contents = find_leaf_contents<dim>(
+        table(), {block.particles.positions(), block.particles.half_widths(), young, mass, volume}, 0.25,
+        MPI_COMM_WORLD);
   }
 
   const LeafTable<dim>& table() const { return block.mesh.leaves(); }
 
   HostStencils stencils(const bool corrected) const
   {
-    return build_stencils<dim>(table(), block.particles.positions(), block.particles.half_widths(),
-                               block.particles.leaves(), false,
-                               corrected ? find_cell_corrections<dim>(table(), contents)
-                                         : std::vector<CellCorrection<dim>>());
+    return build_stencils<dim>(
+        table(), block.particles.positions(), block.particles.half_widths(), block.particles.leaves(), false,
+        corrected ? find_cell_corrections<dim>(table(), contents) : std::vector<CellCorrection<dim>>());
   }
 
   /// By node and axis: sum of volume times gradient, over the ranks: what uniform unit pressure does to the nodes.
@@ -42,8 +41,8 @@ public:
       const std::size_t n = stencils.value_begin[p + 1] - stencils.value_begin[p];
       for (std::size_t v = 0; v < n; ++v)
         for (unsigned int d = 0; d < dim; ++d)
-          force[dim * stencils.pattern_nodes[first + v] + d] += volume[p] * stencils.volume_factor[p] *
-                                                                stencils.gradient[dim * (stencils.value_begin[p] + v) + d];
+          force[dim * stencils.pattern_nodes[first + v] + d] +=
+              volume[p] * stencils.volume_factor[p] * stencils.gradient[dim * (stencils.value_begin[p] + v) + d];
     }
     return force;
   }

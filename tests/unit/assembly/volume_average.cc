@@ -74,7 +74,8 @@ TYPED_TEST(FBar, TurnsItsForceWithARotation)
   };
   const auto nothing = [](const auto&, unsigned int) { return 0.; };
   const auto host = [](TpetraVector& vector) { return vector.getLocalViewHost(Tpetra::Access::ReadOnly); };
-  TpetraVector before = this->force(nothing, this->block.parts->cells), after = this->force(rotation, this->block.parts->cells);
+  TpetraVector before = this->force(nothing, this->block.parts->cells),
+               after = this->force(rotation, this->block.parts->cells);
   const auto first = host(before), last = host(after);
   const double scale = before.normInf();
   for (std::size_t i = 0; i < first.extent(0); i += dim)

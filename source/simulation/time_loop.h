@@ -1,0 +1,75 @@
+// The run of a scene: its state, and the steps of its time loop.
+#pragma once
+
+#include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/output/checkpoint.h>
+#include <kedge/output/snapshots.h>
+#include <kedge/simulation/checkpoints.h>
+#include <kedge/simulation/failure_hint.h>
+#include <kedge/simulation/layout.h>
+#include <kedge/simulation/run_log.h>
+#include <kedge/simulation/scene_warnings.h>
+#include <kedge/simulation/simulation.h>
+#include <kedge/simulation/step_load.h>
+#include <kedge/soil/placement.h>
+#include <kedge/steps/explicit_step.h>
+#include <kedge/steps/implicit_step.h>
+#include <optional>
+
+namespace kedge
+{
+template <int dim> class Simulation
+{
+public:
+  Simulation(const Input& input, const RunOptions& options);
+  bool run();
+
+private:
+  void generate(const RunOptions& options);
+  void resume();
+  void enter_stage(unsigned int number);
+  void begin_stage(unsigned int number);
+  void forget_motion();
+  void bury_bodies();
+  bool run_stage();
+  void limit_steps(Clock& clock);
+  NewtonReport attempt_step(const Clock& clock);
+  bool bring_into_balance(const Clock& clock);
+  void prepare_step();
+  void move_window();
+  void clean();
+  void adapt();
+  std::unique_ptr<TrialStep<dim>> make_step();
+  StepLoad load_at(const Clock& clock) const;
+  void commit_step();
+  StepSummary summarise_step() const;
+  void write_output(const Clock& clock, bool even_if_not_due);
+  void write_restart_file(const Clock& clock);
+  [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
+  void end_stage();
+
+  const Input& input;
+  const Stage* stage = nullptr;
+  unsigned int stage_number = 0; ///< from 0
+  double finished_time = 0.;     ///< of the stages before: s, a static one counts 1
+  RunLog log;
+
+  Soil<dim> soil;
+  RigidSystems bodies;
+  OutputWriter<dim> writer;
+  CheckpointSchedule checkpoints;
+  std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
+
+  std::unique_ptr<TrialStep<dim>> step; ///< the current one; survives a cut
+  std::optional<BodyForce<dim>> body_force;
+  std::vector<Vector6> reactions; ///< of the last converged step, as the next
+  std::vector<typename Contact<dim>::Touch> touches;
+  bool has_warned_of_window = false;
+  unsigned int balanced_step = 0; ///< before which the soil was brought into balance last
+  bool replaces_soil = false;     ///< before the first step of a stage whose bodies are wished in place
+  long long dofs = 0;
+  double basis_bytes = 0.;
+  unsigned int step_number = 1; ///< global counter; the first converged step is number 2, as the file names have it
+};
+} // namespace kedge
