@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <kedge/base/communication.h>
 #include <kedge/basis/ghost_faces.h>
 #include <kedge/basis/gimp.h>
-#include <unordered_map>
 
 namespace kedge
 {

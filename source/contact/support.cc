@@ -1,9 +1,7 @@
 // What bodies carry that have taken the place of soil.
 #include <algorithm>
-#include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/contact/contact.h>
-#include <limits>
 
 namespace kedge
 {

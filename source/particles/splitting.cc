@@ -232,8 +232,6 @@ template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
                                         const unsigned int points_per_axis)
 {
-  if (!any_too_wide<dim>(particles, mesh, points_per_axis))
-    return {};
   return Splitting<dim>(particles, mesh, points_per_axis).run();
 }
 

@@ -6,13 +6,9 @@
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/checkpoint.h>
-#include <kedge/output/snapshots.h>
-#include <kedge/simulation/checkpoints.h>
 #include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/layout.h>
-#include <kedge/simulation/run_log.h>
 #include <kedge/simulation/scene_warnings.h>
-#include <kedge/simulation/simulation.h>
 #include <kedge/simulation/step_load.h>
 #include <kedge/soil/placement.h>
 #include <kedge/steps/explicit_step.h>

@@ -1,20 +1,13 @@
 // The run of a scene: its state, and the steps of its time loop.
 #pragma once
 
-#include <kedge/base/communication.h>
-#include <kedge/base/exceptions.h>
-#include <kedge/output/checkpoint.h>
 #include <kedge/output/snapshots.h>
+#include <kedge/particles/expressions.h>
 #include <kedge/simulation/checkpoints.h>
-#include <kedge/simulation/failure_hint.h>
-#include <kedge/simulation/layout.h>
 #include <kedge/simulation/run_log.h>
-#include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/simulation.h>
-#include <kedge/simulation/step_load.h>
-#include <kedge/soil/placement.h>
-#include <kedge/steps/explicit_step.h>
-#include <kedge/steps/implicit_step.h>
+#include <kedge/steps/trial_step.h>
+#include <memory>
 #include <optional>
 
 namespace kedge

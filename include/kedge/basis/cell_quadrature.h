@@ -6,8 +6,8 @@
 namespace kedge
 {
 /// What a leaf does to the parts of particles' boxes in it, so that their sum integrates over the leaf. In soil that
-/// has flown the boxes overlap here and leave gaps there: uniform stress then pushes the nodes about, by a quarter of
-/// itself after a travel of one cell (Baumgarten & Kamrin 2023, doi 10.1002/nme.7217, show where the error comes from).
+/// has flown the boxes overlap here and leave gaps there, so uniform stress pushes the nodes about (Baumgarten & Kamrin
+/// 2023 on where the error comes from).
 /// In full leaves
 /// - volumes are scaled so that they fill the leaf, and
 /// - gradients are taken at places shifted so that the soil's centroid is the leaf's centre (3-D: less the mean of the

@@ -25,11 +25,11 @@ template <int dim> struct Split
   }
 };
 
-/// Splits every particle whose width, the geometric mean of its domain's edges, exceeds sqrt(2) * cell size /
-/// points_per_axis, again and again until all fit. The factor lies midway, in steps of halving, between a particle that
-/// fits and one that is twice as wide. Mass, momentum, volume and sum V0 tau are kept to round-off: a child has its
-/// share of the parent's mass, volume and domain, and a copy of everything else, so a material point keeps its F,
-/// stiffness, stress and layer.
+/// Cuts every particle in two along each axis where its domain is wider than sqrt(2) * cell size / points_per_axis,
+/// again and again until all fit. The factor lies midway, in steps of halving, between a particle that fits and one
+/// that is twice as wide. Mass, momentum, volume and sum V0 tau are kept to round-off: a child has its share of the
+/// parent's mass, volume and domain, and a copy of everything else, so a material point keeps its F, stiffness, stress
+/// and layer.
 ///
 /// The first child keeps the parent's number; the others are numbered from the next free number on, by the order of
 /// their parents' numbers, whichever ranks hold them. A child whose centre would lie outside the grid is moved just
