@@ -23,7 +23,8 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
                                        const Materials& materials, const NodalVector& increment,
                                        const ParticlePath& path, const NodalVector& force, const CellGroups& cells)
 {
-  const View<double*> factor = find_volume_factors<dim>(particles, stencils, cells, increment);
+  share_volume_change<dim>(particles, stencils, cells, increment);
+  const View<double*> factor = cells.volume_factor;
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
       "follow path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
@@ -58,7 +59,7 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
       },
       n_inverted);
   if (factor.extent(0) > 0)
-    add_force_of_shared_pressure<dim>(particles, stencils, cells, increment, force);
+    add_force_of_mean_pressure<dim>(particles, stencils, cells, increment, force);
   return n_inverted;
 }
 

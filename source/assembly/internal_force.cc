@@ -9,7 +9,8 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
                                       const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force, const CellGroups& cells)
 {
-  const View<double*> factor = find_volume_factors<dim>(particles, stencils, cells, increment);
+  share_pressure<dim>(particles, stencils, cells, materials, increment);
+  const View<double*> factor = cells.volume_factor, pressure = cells.pressure;
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
@@ -26,12 +27,13 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
           return;
         }
         set_trial(particles, p, update, update.plastic_increment);
-        if (factor.extent(0) == 0)
-          add_internal_force<dim>(particles, stencils, p, update.stress, inverse(dF), force);
+        const bool shares = pressure.extent(0) > 0;
+        add_internal_force<dim>(particles, stencils, p,
+                                shares ? with_mean_stress<dim>(update.stress, determinant(dF) * pressure(p))
+                                       : update.stress,
+                                inverse(dF), force);
       },
       n_inverted);
-  if (factor.extent(0) > 0 && n_inverted == 0)
-    add_force_of_shared_pressure<dim>(particles, stencils, cells, increment, force);
   return n_inverted;
 }
 
@@ -68,7 +70,7 @@ template <int dim>
 ParticleIncrements interpolate_increments(const ParticleArrays& particles, const StencilSet& stencils,
                                           const NodalVector& increment, const CellGroups& cells)
 {
-  const View<double*> factor = find_volume_factors<dim>(particles, stencils, cells, increment);
+  const View<double*> factor = cells.volume_factor;
   ParticleIncrements result;
   result.displacement = interpolate_to_particles(stencils, increment);
   result.deformation_gradient = View<double* [9]>("dF", stencils.n_particles);

@@ -34,9 +34,8 @@ template <int dim> struct TangentKernel
   View<unsigned int*> column;
   View<double*> values;
   unsigned int chunk;
-  View<double*> volume_factor;
-  View<double*> pressure_shift;
-  DilationModuli moduli; ///< empty without F-bar, like factors and shifts
+  CellGroups cells;      ///< empty without F-bar
+  DilationModuli moduli; ///< and so these
   double elastic_share;
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
@@ -52,11 +51,11 @@ template <int dim> struct TangentKernel
       b[i] = particles.elastic_left_cauchy_green(p, i);
     SpatialTangent tangent;
     double next_state[Laws::max_state]; // not needed here
-    const StressUpdate update = update_stress(stretch<dim>(dF, volume_factor, p), b,
+    const StressUpdate update = update_stress(stretch<dim>(dF, cells.volume_factor, p), b,
                                               {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
                                               materials(particles.layer(p)), next_state, tangent, elastic_share);
-    if (volume_factor.extent(0) > 0)
-      share_dilation(p, update.stress, tangent);
+    if (!cells.empty())
+      share_dilation(p, determinant(dF), update.stress, tangent);
     const double volume = integration_volume(particles, stencils, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
@@ -85,15 +84,18 @@ template <int dim> struct TangentKernel
     }
   }
 
-  /// With F-bar the stress follows the dilation of the cell instead of the particle's own, and the force its mean
-  /// pressure. With the moduli of the stress alone, c_ijkl = a_ijkl + tau_il delta_jk, the particle's part is
-  ///   a_ijkl - q_ij delta_kl - delta_ij m_kl + (p + s) delta_ij delta_kl - s delta_il delta_jk,
-  /// q_ij = sum_m c_ijmm / dim, t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and s
-  /// its shift. The rest belongs to the cell.
-  KEDGE_FUNCTION void share_dilation(const unsigned int p, const SymmetricTensor& stress, SpatialTangent& tangent) const
+  /// With F-bar the particle's volume change J* is what brings it to the pressure of its cell, pi, which acts on the
+  /// nodes as J pi. With the moduli of the stress alone, c_ijkl = a_ijkl + tau_il delta_jk, q_ij = sum_m c_ijmm / dim,
+  /// t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and k = t - p + J* spring, the
+  /// particle's part at a held pi is
+  ///   a_ijkl - q_ij delta_kl - ((q_ij - t delta_ij) / k + delta_ij) m_kl + J pi delta_ij delta_kl - s delta_il
+  ///   delta_jk, s = J pi - p.
+  /// The rest belongs to the cell.
+  KEDGE_FUNCTION void share_dilation(const unsigned int p, const double J, const SymmetricTensor& stress,
+                                     SpatialTangent& tangent) const
   {
     const Eigen::Matrix3d tau = full_matrix(stress);
-    double q[dim][dim], m[dim][dim], t = 0., mean = 0.;
+    double q[dim][dim], m[dim][dim], t = 0.;
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
       {
@@ -105,27 +107,27 @@ template <int dim> struct TangentKernel
         }
       }
     for (int i = 0; i < dim; ++i)
-    {
       t += q[i][i] / dim;
-      mean += tau(i, i) / dim;
-    }
+    const double mean = mean_stress<dim>(stress), acting = J * cells.pressure(p);
+    const double shared = J * std::pow(cells.volume_factor(p), dim); // J*
+    const double compliance = 1. / (std::fmax(t - mean, 0.) + shared * cells.spring(p));
     for (int i = 0; i < dim; ++i)
       m[i][i] -= t;
-    const double shift = pressure_shift(p);
     for (int i = 0; i < dim; ++i)
       for (int j = 0; j < dim; ++j)
       {
+        const double same = i == j ? 1. : 0., flow = compliance * (q[i][j] - same * t);
         for (int k = 0; k < dim; ++k)
         {
-          tangent(i, j, k, k) -= q[i][j];
-          tangent(k, k, i, j) -= m[i][j];
+          for (int l = 0; l < dim; ++l)
+            tangent(i, j, k, l) -= (flow + same) * m[k][l];
+          tangent(i, j, k, k) += same * acting - q[i][j];
         }
-        tangent(i, i, j, j) += mean + shift;
-        tangent(i, j, j, i) -= shift;
-        moduli.stress(p, 3 * i + j) = q[i][j] - (i == j ? t : 0.);
-        moduli.pressure(p, 3 * i + j) = m[i][j];
+        tangent(i, j, j, i) -= acting - mean;
+        moduli.stress(p, 3 * i + j) = shared * flow + same * J;
+        moduli.volume(p, 3 * i + j) = same * J + shared * compliance * m[i][j];
       }
-    moduli.bulk(p) = t;
+    moduli.compliance(p) = shared * shared * compliance;
   }
 
   KEDGE_FUNCTION void operator()(const Member& team) const
@@ -222,19 +224,9 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
       std::max<std::size_t>(1, std::min<std::size_t>(16, cache_bytes / std::max<std::size_t>(1, per_particle)));
   const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
   const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
-                              View<double* [9]>("pressure moduli", n_sharing), View<double*>("bulk", n_sharing)};
-  const TangentKernel<dim> kernel{particles,
-                                  stencils,
-                                  materials,
-                                  increment,
-                                  graph.row_begin,
-                                  graph.column,
-                                  values,
-                                  chunk,
-                                  find_volume_factors<dim>(particles, stencils, cells, increment),
-                                  find_pressure_shifts<dim>(particles, stencils, cells, increment),
-                                  moduli,
-                                  elastic_share};
+                              View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
+  const TangentKernel<dim> kernel{particles, stencils, materials, increment, graph.row_begin, graph.column,
+                                  values,    chunk,    cells,     moduli,    elastic_share};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),

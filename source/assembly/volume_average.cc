@@ -13,13 +13,10 @@ using Member = Policy::member_type;
 /// strain in a step from which on soil flows. Soil at rest keeps the gradient of its pressure.
 constexpr double relaxed_share = 0.5, flow = 1e-3;
 
-/// Mean of the dim normal components of a particle's Kirchhoff stress, Pa.
-template <int dim> KEDGE_FUNCTION double mean_stress(const ParticleArrays& particles, const unsigned int p)
+/// Mean of the dim normal components of a particle's trial stress, Pa.
+template <int dim> KEDGE_FUNCTION double mean_trial_stress(const ParticleArrays& particles, const unsigned int p)
 {
-  double sum = 0.;
-  for (int i = 0; i < dim; ++i)
-    sum += particles.trial_stress(p, i);
-  return sum / dim;
+  return mean_stress<dim>(row_of(particles.trial_stress, p));
 }
 
 template <int dim> struct MeanDilationKernel
@@ -33,26 +30,27 @@ template <int dim> struct MeanDilationKernel
   View<unsigned int*> column;
   View<double*> values;
   // by node of a cell and component, laid out as cells.nodes: changes with the displacement of the node of
-  View<double*> force;    ///< the nodal force with the dilation of the cell
+  View<double*> force;    ///< the nodal force with the pressure of the cell
+  View<double*> dilation; ///< the volume that the cell takes in at a held pressure
   View<double*> volume;   ///< the cell's volume
-  View<double*> pressure; ///< the cell's mean stress times volume at held dilation of the cell
 
   KEDGE_FUNCTION void operator()(const Member& team) const
   {
     const unsigned int c = team.league_rank();
     const unsigned int first = cells.node_begin(c), n = cells.node_begin(c + 1) - first;
-    double total = 0., stiffness = 0.;
-    const auto members = Kokkos::TeamThreadRange(team, cells.particle_begin(c), cells.particle_begin(c + 1));
+    const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
+    double total = 0., compliance = 0.;
     Kokkos::parallel_reduce(
-        members, [&](const unsigned int p, double& sum) { sum += gather(p, first); }, total);
+        Kokkos::TeamThreadRange(team, begin, end), [&](const unsigned int p, double& sum) { sum += gather(p, first); },
+        total);
     Kokkos::parallel_reduce(
-        members,
+        Kokkos::TeamThreadRange(team, begin, end),
         [&](const unsigned int p, double& sum)
-        { sum += integration_volume(particles, stencils, p) * (moduli.bulk(p) - mean_stress<dim>(particles, p)); },
-        stiffness);
+        { sum += integration_volume(particles, stencils, p) * moduli.compliance(p); },
+        compliance);
     team.team_barrier();
-    Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n),
-                         [&](const unsigned int a) { scatter(first, n, first + a, 1. / total, stiffness / total); });
+    Kokkos::parallel_for(Kokkos::TeamThreadRange(team, n), [&](const unsigned int a)
+                         { scatter(first, n, first + a, 1. / compliance, cells.spring(begin) / total); });
   }
 
   /// Adds a particle's part to the sums of its cell, whose nodes begin at `first`; returns its volume.
@@ -73,14 +71,14 @@ template <int dim> struct MeanDilationKernel
           h[j] += to_spatial(m, j) * gradient[dim * v + m];
       for (int i = 0; i < dim; ++i)
       {
-        double change = 0., reply = 0.;
+        double of_force = 0., of_volume = 0.;
         for (int j = 0; j < dim; ++j)
         {
-          change += moduli.stress(p, 3 * i + j) * h[j];
-          reply += moduli.pressure(p, 3 * i + j) * h[j];
+          of_force += moduli.stress(p, 3 * i + j) * h[j];
+          of_volume += moduli.volume(p, 3 * i + j) * h[j];
         }
-        add_to(force(std::size_t(dim) * at + i), initial * change);
-        add_to(pressure(std::size_t(dim) * at + i), initial * reply);
+        add_to(force(std::size_t(dim) * at + i), initial * of_force);
+        add_to(dilation(std::size_t(dim) * at + i), initial * of_volume);
         add_to(volume(std::size_t(dim) * at + i), end * h[i]);
       }
     }
@@ -88,16 +86,16 @@ template <int dim> struct MeanDilationKernel
   }
 
   KEDGE_FUNCTION void scatter(const unsigned int first, const unsigned int n, const unsigned int a,
-                              const double per_volume, const double stiffness) const
+                              const double modulus, const double spring) const
   {
     const unsigned int row = cells.nodes(a);
     const std::size_t begin = row_begin(row), row_stride = dim * (row_begin(row + 1) - begin);
     double* target = &values(std::size_t(dim) * dim * begin);
-    double of_volume[dim], of_pressure[dim];
+    double of_dilation[dim], of_volume[dim];
     for (int i = 0; i < dim; ++i)
     {
-      of_pressure[i] = per_volume * volume(std::size_t(dim) * a + i);
-      of_volume[i] = per_volume * force(std::size_t(dim) * a + i) + stiffness * of_pressure[i];
+      of_dilation[i] = modulus * force(std::size_t(dim) * a + i);
+      of_volume[i] = spring * volume(std::size_t(dim) * a + i);
     }
     std::size_t at = begin;
     for (unsigned int b = first; b < first + n; ++b, ++at)
@@ -109,7 +107,7 @@ template <int dim> struct MeanDilationKernel
         for (int k = 0; k < dim; ++k)
         {
           const std::size_t dof = std::size_t(dim) * b + k;
-          add_to(to[k], of_volume[i] * volume(dof) + of_pressure[i] * pressure(dof));
+          add_to(to[k], of_dilation[i] * dilation(dof) - of_volume[i] * volume(dof));
         }
     }
   }
@@ -117,12 +115,13 @@ template <int dim> struct MeanDilationKernel
 } // namespace
 
 template <int dim>
-View<double*> find_volume_factors(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                  const NodalVector& increment)
+void share_volume_change(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                         const NodalVector& increment)
 {
-  const View<double*> factor("volume factors", cells.empty() ? 0 : stencils.n_particles);
+  const View<double*> factor = cells.volume_factor;
   Kokkos::parallel_for(
-      "volume factors", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
+      "share volume change", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
+      KOKKOS_LAMBDA(const std::size_t c) {
         // First pass: J of every particle, and the volumes of the cell before and after. Second pass: the factors.
         const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
         double before = 0., after = 0.;
@@ -139,49 +138,38 @@ View<double*> find_volume_factors(const ParticleArrays& particles, const Stencil
         for (unsigned int p = begin; p < end; ++p)
           factor(p) = factor(p) > 0. ? std::pow(after / (before * factor(p)), 1. / dim) : 1.;
       });
-  return factor;
 }
 
 template <int dim>
-View<double*> find_pressure_shifts(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                   const NodalVector& increment)
+void add_force_of_mean_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                                const NodalVector& increment, const NodalVector& force)
 {
-  const View<double*> shift("pressure shifts", cells.empty() ? 0 : stencils.n_particles);
   Kokkos::parallel_for(
-      "pressure shifts", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
+      "mean pressure", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
         const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
         double stress = 0., volume = 0.;
         for (unsigned int p = begin; p < end; ++p)
         {
           const double J = determinant(deformation_increment<dim>(stencils, increment, p));
-          shift(p) = J;
           if (J > 0.)
           {
-            stress += integration_volume(particles, stencils, p) * mean_stress<dim>(particles, p);
+            stress += integration_volume(particles, stencils, p) * mean_trial_stress<dim>(particles, p);
             volume += integration_volume(particles, stencils, p) * J;
           }
         }
         for (unsigned int p = begin; p < end; ++p)
-          shift(p) = shift(p) > 0. ? shift(p) * stress / volume - mean_stress<dim>(particles, p) : 0.;
+          cells.pressure(p) = volume > 0. ? stress / volume : 0.;
       });
-  return shift;
-}
-
-template <int dim>
-void add_force_of_shared_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                  const NodalVector& increment, const NodalVector& force)
-{
-  const View<double*> shift = find_pressure_shifts<dim>(particles, stencils, cells, increment);
   Kokkos::parallel_for(
-      "force of shared pressure", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+      "force of mean pressure", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i) {
         const unsigned int p = stencils.pattern_particles(i);
         const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        SymmetricTensor stress = row_of(particles.trial_stress, p);
-        for (int d = 0; d < dim; ++d)
-          stress[d] += shift(p);
         if (determinant(dF) > 0.)
-          add_internal_force<dim>(particles, stencils, p, stress, inverse(dF), force);
+          add_internal_force<dim>(
+              particles, stencils, p,
+              with_mean_stress<dim>(row_of(particles.trial_stress, p), determinant(dF) * cells.pressure(p)),
+              inverse(dF), force);
       });
 }
 
@@ -194,14 +182,14 @@ void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils,
         double sum = 0., volume = 0., plastic = 0.;
         for (unsigned int p = begin; p < end; ++p)
         {
-          sum += integration_volume(particles, stencils, p) * mean_stress<3>(particles, p);
+          sum += integration_volume(particles, stencils, p) * mean_trial_stress<3>(particles, p);
           plastic += integration_volume(particles, stencils, p) * particles.trial_plastic(p);
           volume += integration_volume(particles, stencils, p);
         }
         const double share = relaxed_share * std::fmin(1., plastic / (flow * volume));
         for (unsigned int p = begin; p < end; ++p)
         {
-          const double change = share * (sum / volume - mean_stress<3>(particles, p));
+          const double change = share * (sum / volume - mean_trial_stress<3>(particles, p));
           const double bulk = materials(particles.layer(p)).elasticity(particles.young(p)).bulk();
           for (int i = 0; i < 3; ++i)
           {
@@ -227,18 +215,16 @@ void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stenci
                                        graph.column,
                                        values,
                                        View<double*>("force", n),
-                                       View<double*>("volume", n),
-                                       View<double*>("pressure", n)};
+                                       View<double*>("dilation", n),
+                                       View<double*>("volume", n)};
   Kokkos::parallel_for("mean dilation", Policy(cells.n_cells(), Kokkos::AUTO), kernel);
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
-  template View<double*> find_volume_factors<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,         \
-                                                  const NodalVector&);                                                 \
-  template View<double*> find_pressure_shifts<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,        \
-                                                   const NodalVector&);                                                \
-  template void add_force_of_shared_pressure<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,         \
-                                                  const NodalVector&, const NodalVector&);                             \
+  template void share_volume_change<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                  \
+                                         const NodalVector&);                                                          \
+  template void add_force_of_mean_pressure<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,           \
+                                                const NodalVector&, const NodalVector&);                               \
   template void add_mean_dilation<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                    \
                                        const NodalVector&, const DilationModuli&, const NodeGraph&,                    \
                                        const View<double*>&);

@@ -25,7 +25,11 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
     particle_begin.push_back(end);
     node_begin.push_back(nodes.size());
   }
-  return {upload(particle_begin, "cell particle begin"), upload(node_begin, "cell node begin"),
-          upload(nodes, "cell nodes")};
+  return {upload(particle_begin, "cell particle begin"),
+          upload(node_begin, "cell node begin"),
+          upload(nodes, "cell nodes"),
+          View<double*>("volume factor", n),
+          View<double*>("cell pressure", n),
+          View<double*>("spring", n)};
 }
 } // namespace kedge

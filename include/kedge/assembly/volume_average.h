@@ -1,6 +1,6 @@
-// F-bar avoids volumetric locking: particles take the volume change of their cell (de Souza Neto et al. 1996,
+// F-bar avoids volumetric locking: particles share the volume change of their cell (de Souza Neto et al. 1996,
 // doi 10.1016/0020-7683(95)00259-6; Coombs et al. 2018, doi 10.1016/j.cma.2018.01.010), and the nodal forces are those
-// that do the work of this volume change: only the cell's mean pressure acts on the nodes (Simo, Taylor & Pister 1985,
+// that do the work of this volume change: only the cell's pressure acts on the nodes (Simo, Taylor & Pister 1985,
 // doi 10.1016/0045-7825(85)90033-7).
 #pragma once
 
@@ -8,25 +8,50 @@
 
 namespace kedge
 {
-/// Factor (Jbar / J)^(1/dim) that stretches dF of every particle: J = det dF, and Jbar is the mean of J over the
-/// particles of its cell, weighted by V0. A particle with J <= 0 counts in no mean and keeps its dF. Empty if `cells`
-/// is.
-template <int dim>
-View<double*> find_volume_factors(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                  const NodalVector& increment);
+/// Mean of the dim normal components of a Kirchhoff stress, Pa.
+template <int dim> KEDGE_FUNCTION double mean_stress(const SymmetricTensor& stress)
+{
+  double sum = 0.;
+  for (int i = 0; i < dim; ++i)
+    sum += stress[i];
+  return sum / dim;
+}
 
-/// What must be added to the dim normal components of the Kirchhoff stress of every particle (Pa) so that its nodal
-/// forces do the work of the shared volume change: J sum(V p) / sum(V J) - p over the particles of its cell, p the mean
-/// of these components and V the integration volume. Reads the trial stress of the same increment. Zero for a particle
-/// with J <= 0; empty if `cells` is.
-template <int dim>
-View<double*> find_pressure_shifts(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                   const NodalVector& increment);
+/// The stress with `mean` in place of the mean of its dim normal components.
+template <int dim> KEDGE_FUNCTION SymmetricTensor with_mean_stress(SymmetricTensor stress, const double mean)
+{
+  const double shift = mean - mean_stress<dim>(stress);
+  for (int i = 0; i < dim; ++i)
+    stress[i] += shift;
+  return stress;
+}
 
-/// Adds the internal force (N) of the trial stress with these shifts.
+/// Distributes the volume change of every cell over its particles such that they come to one pressure. With J = det dF
+/// of a particle, V its integration volume and p the mean of the dim normal components of its Kirchhoff stress, the
+/// volume changes J* that the laws see keep the cell's volume and have p one pressure pi,
+///   sum V J* = sum V J,  p(J*) / J* - o + spring (ln J* - ln Jbar) = pi,
+/// o the particle's distance from the cell's mean at the start of the step, so soil at rest keeps its gradients, and
+/// Jbar = sum V J / sum V. The spring, a thousandth of the elastic modulus, gives an answer where particles are at the
+/// apex, whose pressure does not depend on their volume. This
+/// is a mixed formulation with a constant pressure in each cell whose unknowns are eliminated at once: soil that
+/// dilates is not softened at those particles of a cell that dilate most, as it is where they share J itself.
+/// Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J* / J)^(1/dim),
+/// which stretch dF, and pi to the cells. Where a particle has J <= 0, or no pressure is found, nothing is shared.
 template <int dim>
-void add_force_of_shared_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                  const NodalVector& increment, const NodalVector& force);
+void share_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                    const Materials& materials, const NodalVector& increment);
+
+/// The simpler sharing of explicit basis steps, whose increments are small: factors (Jbar / J)^(1/dim), Jbar the mean
+/// of J over the particles of the cell, weighted by V. A particle with J <= 0 counts in no mean and keeps its dF.
+template <int dim>
+void share_volume_change(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                         const NodalVector& increment);
+
+/// Adds the internal force (N) of the trial stress with the cell's pressure sum(V p) / sum(V J) J in place of each
+/// particle's own.
+template <int dim>
+void add_force_of_mean_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
+                                const NodalVector& increment, const NodalVector& force);
 
 /// Brings the mean stress of every particle in soil that flows half of the distance nearer to that of its cell, trial
 /// stress and strain alike. Differences within a cell act on no node, so nothing else would take them away, and they
@@ -34,18 +59,20 @@ void add_force_of_shared_pressure(const ParticleArrays& particles, const Stencil
 void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                     const Materials& materials);
 
-/// How a particle's stress, less its mean, and its mean stress answer to dilation, Pa.
+/// The spring of share_pressure() over the elastic modulus.
+constexpr double least_dilation_modulus = 1e-3;
+
+/// How a particle and its cell's pressure depend on each other.
 struct DilationModuli
 {
-  View<double* [9]> stress; ///< change of stress per dilation of the cell, less its mean; row-major, dim x dim used
-  View<double* [9]>
-      pressure;       ///< change of the mean stress with the displacement gradient at a held dilation of the cell
-  View<double*> bulk; ///< change of the mean stress per dilation of the cell
+  View<double* [9]> stress; ///< change of the acting stress per pressure of the cell; row-major, dim x dim used
+  View<double* [9]> volume; ///< change of volume at a held pressure with the displacement gradient
+  View<double*> compliance; ///< change of volume per pressure of the cell, 1/Pa
 };
 
-/// Adds the part of the tangent that comes from the mean dilation and pressure of the cells, with h = dF^-T grad S,
-/// v = sum_p V J h, W = sum_p V J, Q = sum_p V stress h, R = sum_p V pressure h, s = sum_p V (bulk - p):
-/// K_ab += sum over cells of (Q_a (x) v_b + v_a (x) R_b + (s / W) v_a (x) v_b) / W.
+/// Adds the part of the tangent that comes from the pressure of the cells, with h = dF^-T grad S:
+/// K_ab += sum over cells of Q_a (x) R_b / sum_p V compliance - spring / W v_a (x) v_b, Q = sum_p V stress h, R = sum_p
+/// V volume h, v = sum_p V J h, W = sum_p V J.
 template <int dim>
 void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                        const NodalVector& increment, const DilationModuli& moduli, const NodeGraph& graph,

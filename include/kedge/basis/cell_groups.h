@@ -12,6 +12,10 @@ struct CellGroups
 {
   View<unsigned int*> particle_begin;
   View<unsigned int*> node_begin, nodes;
+  // by particle, written by every stress update (assembly/volume_average.h)
+  View<double*> volume_factor; ///< what stretches dF
+  View<double*> pressure;      ///< mean stress that acts on the nodes, per volume change, Pa
+  View<double*> spring;        ///< between the volume changes of the particles of a cell, Pa
 
   bool empty() const { return particle_begin.extent(0) == 0; }
   std::size_t n_cells() const { return empty() ? 0 : particle_begin.extent(0) - 1; }

@@ -93,7 +93,7 @@ template <int dim> struct Discretisation
   std::vector<std::array<double, dim>> position; ///< of the nodes of this rank
 };
 
-/// Soil under isotropic pressure with some shear, random but the same on any number of ranks.
+/// Soil under isotropic pressure with some shear, random but the same on any number of ranks; in 2-D in plane strain.
 template <int dim> struct Block : SoilFixture<dim>
 {
   static constexpr double cell = 0.3;
@@ -122,7 +122,7 @@ template <int dim> struct Block : SoilFixture<dim>
   void stress()
   {
     for (auto& particle : particles.edit())
-      for (unsigned int i = 0; i < 6; ++i)
+      for (unsigned int i = 0; i < (dim == 2 ? 4 : 6); ++i)
         particle.get_properties()[field::elastic_strain + i] =
             (i < 3 ? -1e-2 : 0.) + (i < 3 ? 1.2e-2 : 3e-2) * (noise(particle.get_id(), i) - 0.5);
   }

@@ -33,10 +33,12 @@ public:
     with.update(-1., without, 1.);
     return with.normInf() / without.normInf();
   }
-  std::vector<double> factors(const typename test::Discretisation<dim>::Field& increment) const
+  void update(const typename test::Discretisation<dim>::Field& increment)
   {
-    return download(find_volume_factors<dim>(block.particles.arrays(), block.parts->stencils, block.parts->cells,
-                                             block.parts->nodal(increment)));
+    const NodalVector force = system->make_nodal_vector();
+    const NodalVector local = system->spread(block.parts->owned(*system, increment));
+    update_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials, local, force,
+                                 block.parts->cells);
   }
 
   test::Block<dim> block;
@@ -85,48 +87,94 @@ TYPED_TEST(FBar, TurnsItsForceWithARotation)
   }
 }
 
-TYPED_TEST(FBar, FeelsOnlyTheMeanPressureOfACell)
+TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
 {
   constexpr int dim = TypeParam::value;
-  const auto nothing = [](const auto&, unsigned int) { return 0.; };
-  this->force(nothing, this->block.parts->cells); // finds the stresses
   const ParticleArrays& arrays = this->block.particles.arrays();
-  const auto begin = on_host(this->block.parts->cells.particle_begin);
-  const auto shift = find_pressure_shifts<dim>(arrays, this->block.parts->stencils, this->block.parts->cells,
-                                               this->block.parts->nodal(nothing));
-  const auto stress = on_host(arrays.trial_stress);
-  const auto shifts = on_host(shift);
-  double spread = 0.;
-  for (std::size_t c = 0; c < this->block.parts->cells.n_cells(); ++c)
+  const CellGroups& cells = this->block.parts->cells;
+  const auto mean_stresses = [&]
+  {
+    const auto stress = on_host(arrays.trial_stress);
+    std::vector<double> mean(stress.extent(0));
+    for (std::size_t p = 0; p < mean.size(); ++p)
+      for (int d = 0; d < dim; ++d)
+        mean[p] += stress(p, d) / dim;
+    return mean;
+  };
+  const auto determinants = [&](const typename test::Discretisation<dim>::Field& field, const CellGroups& groups)
+  {
+    const auto f = on_host(
+        interpolate_increments<dim>(arrays, this->block.parts->stencils, this->block.parts->nodal(field), groups)
+            .deformation_gradient);
+    std::vector<double> J;
+    for (std::size_t p = 0; p < f.extent(0); ++p)
+    {
+      Eigen::Matrix3d dF;
+      for (int i = 0; i < 9; ++i)
+        dF(i / 3, i % 3) = f(p, i);
+      EXPECT_EQ(f(p, 8) == 1., dim == 2);
+      J.push_back(determinant(dF));
+    }
+    return J;
+  };
+  const auto committed = on_host(arrays.elastic_left_cauchy_green);
+  const auto young = on_host(arrays.young);
+  std::vector<double> start(committed.extent(0));
+  for (std::size_t p = 0; p < start.size(); ++p)
+  {
+    SymmetricTensor b;
+    for (int i = 0; i < 6; ++i)
+      b[i] = committed(p, i);
+    const SymmetricTensor strain = logarithmic_strain(b);
+    const HenckyElasticity elasticity = on_host(this->block.materials)(0).elasticity(young(p));
+    start[p] = elasticity.lame * (strain[0] + strain[1] + strain[2]);
+    for (int d = 0; d < dim; ++d)
+      start[p] += 2. * elasticity.shear / dim * strain[d];
+  }
+  const auto field = this->block.random_field(0.02, 1);
+  this->update(field);
+  const auto end = mean_stresses();
+  const auto own = determinants(field, {}), shared = determinants(field, cells);
+  const auto volume = on_host(arrays.initial_volume), factor = on_host(this->block.parts->stencils.volume_factor);
+  const auto begin = on_host(cells.particle_begin);
+  const auto springs = on_host(cells.spring);
+  double spread = 0., start_spread = 0.;
+  for (std::size_t c = 0; c < cells.n_cells(); ++c)
+  {
+    double before = 0., after = 0., total = 0., mean = 0.;
     for (unsigned int p = begin(c); p < begin(c + 1); ++p)
     {
-      const auto mean = [&](const unsigned int q)
-      {
-        double sum = 0.;
-        for (int d = 0; d < dim; ++d)
-          sum += stress(q, d) / dim;
-        return sum;
-      };
-      EXPECT_NEAR(mean(p) + shifts(p), mean(begin(c)) + shifts(begin(c)), 1e-9 * std::abs(mean(p)));
-      spread = std::max(spread, std::abs(shifts(p)));
+      const double V = volume(p) * factor(p);
+      before += V * own[p];
+      after += V * shared[p];
+      total += V;
+      mean += V * start[p];
     }
-  EXPECT_GT(spread, 0.);
+    ASSERT_NEAR(after, before, 1e-10 * before);
+    for (unsigned int p = begin(c); p < begin(c + 1); ++p)
+    {
+      const double offset = start[p] - mean / total, first = start[begin(c)] - mean / total;
+      const auto spring = [&](const unsigned int q) { return springs(q) * std::log(shared[q]); };
+      ASSERT_NEAR(end[p] / shared[p] - offset + spring(p), end[begin(c)] / shared[begin(c)] - first + spring(begin(c)),
+                  1e-7 * std::abs(end[p]));
+      spread = std::max(spread, std::abs(own[p] - shared[p]));
+      start_spread = std::max(start_spread, std::abs(offset));
+    }
+  }
+  EXPECT_GT(max_over_ranks(spread, MPI_COMM_WORLD), 0.005);
+  EXPECT_GT(max_over_ranks(start_spread, MPI_COMM_WORLD), 0.);
 }
 
-TYPED_TEST(FBar, GivesTheParticlesOfACellOneVolumeChangeAndKeepsItsVolume)
+TYPED_TEST(FBar, SharesTheVolumeChangeInExplicitSteps)
 {
   constexpr int dim = TypeParam::value;
   const ParticleArrays& arrays = this->block.particles.arrays();
   const CellGroups& cells = this->block.parts->cells;
   const NodalVector field = this->block.parts->nodal(this->block.random_field(0.1, 1));
-  const auto deformation = [&](const CellGroups& groups)
-  {
-    return on_host(
-        interpolate_increments<dim>(arrays, this->block.parts->stencils, field, groups).deformation_gradient);
-  };
-  const auto averaged = deformation(cells), own = deformation({});
-  const auto volume = on_host(arrays.initial_volume);
-  const auto determinant_of = [](const auto& f, const std::size_t p)
+  share_volume_change<dim>(arrays, this->block.parts->stencils, cells, field);
+  const auto f =
+      on_host(interpolate_increments<dim>(arrays, this->block.parts->stencils, field, cells).deformation_gradient);
+  const auto determinant_of = [&](const std::size_t p)
   {
     Eigen::Matrix3d dF;
     for (int i = 0; i < 9; ++i)
@@ -134,27 +182,14 @@ TYPED_TEST(FBar, GivesTheParticlesOfACellOneVolumeChangeAndKeepsItsVolume)
     return determinant(dF);
   };
   const auto begin = on_host(cells.particle_begin);
-  double spread = 0.;
   for (std::size_t c = 0; c < cells.n_cells(); ++c)
-  {
-    double before = 0., after = 0.;
     for (unsigned int p = begin(c); p < begin(c + 1); ++p)
-    {
-      ASSERT_EQ(this->block.particles.leaves()[p], this->block.particles.leaves()[begin(c)]);
-      ASSERT_NEAR(determinant_of(averaged, p), determinant_of(averaged, begin(c)), 1e-13);
-      ASSERT_EQ(averaged(p, 8) == 1., dim == 2);
-      spread = std::max(spread, std::abs(determinant_of(own, p) - determinant_of(averaged, p)));
-      before += volume(p) * determinant_of(own, p);
-      after += volume(p) * determinant_of(averaged, p);
-    }
-    ASSERT_NEAR(after, before, 1e-13 * before);
-  }
-  EXPECT_GT(max_over_ranks(spread, MPI_COMM_WORLD), 0.01);
+      ASSERT_NEAR(determinant_of(p), determinant_of(begin(c)), 1e-13);
 }
 
-TYPED_TEST(FBar, LeavesInvertedParticlesOutOfTheMean)
+TYPED_TEST(FBar, SharesNothingWhereAParticleIsInverted)
 {
-  // One node is pulled far away: some particles are inverted, the others of their cells still have a mean.
+  // One node is pulled far away: some particles are inverted, and with them nothing of their cells is shared.
   constexpr int dim = TypeParam::value;
   const auto pulled = [](const std::array<double, dim>& x, const unsigned int d)
   {
@@ -163,19 +198,19 @@ TYPED_TEST(FBar, LeavesInvertedParticlesOutOfTheMean)
       distance += std::abs(y - 0.3);
     return d == 0 && distance < 1e-9 ? 3. : 0.;
   };
+  const NodalVector force = this->system->make_nodal_vector();
+  const NodalVector increment = this->system->spread(this->block.parts->owned(*this->system, pulled));
+  const unsigned long inverted =
+      update_stress_and_force<dim>(this->block.particles.arrays(), this->block.parts->stencils, this->block.materials,
+                                   increment, force, this->block.parts->cells);
   long long unscaled = 0, scaled = 0;
-  for (const double factor : this->factors(pulled))
+  for (const double factor : download(this->block.parts->cells.volume_factor))
   {
     ASSERT_TRUE(std::isfinite(factor) && factor > 0.);
     (factor == 1. ? unscaled : scaled) += 1;
   }
   EXPECT_GT(sum_over_ranks(unscaled, MPI_COMM_WORLD), 0);
   EXPECT_GT(sum_over_ranks(scaled, MPI_COMM_WORLD), 0);
-  const NodalVector force = this->system->make_nodal_vector();
-  const NodalVector increment = this->system->spread(this->block.parts->owned(*this->system, pulled));
-  const unsigned long inverted =
-      update_stress_and_force<dim>(this->block.particles.arrays(), this->block.parts->stencils, this->block.materials,
-                                   increment, force, this->block.parts->cells);
   const unsigned long expected = update_stress_and_force<dim>(
       this->block.particles.arrays(), this->block.parts->stencils, this->block.materials, increment, force);
   EXPECT_EQ(inverted, expected);
