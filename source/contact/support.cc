@@ -9,7 +9,6 @@ namespace
 {
 constexpr unsigned int n_sweeps = 100;          ///< so many on any number of ranks
 constexpr double support_distance = 0.5 - 1e-6; ///< in sizes of the particle: of two corners on either side one carries
-constexpr double least_weight = 1e-9;           ///< of a corner at a node: below, on the opposite face, round-off
 
 /// The nearest force that the contact law allows: pressure, and along the surface no more than it can hold.
 Eigen::Vector3d admissible(const Eigen::Vector3d& force, const Eigen::Vector3d& normal,
@@ -40,7 +39,7 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
   const auto for_each_dof = [&](const Carrier& carrier, const auto& visit)
   {
     for (unsigned int v = points.begin[carrier.pair->point]; v < points.begin[carrier.pair->point + 1]; ++v)
-      for (unsigned int d = 0; d < dim && points.weights[v] > least_weight; ++d)
+      for (unsigned int d = 0; d < dim; ++d)
         visit(dim * points.nodes[v] + d, world_axis(dim, d), points.weights[v]);
   };
   for (Pair& pair : pairs)
@@ -66,7 +65,7 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
     {
       Eigen::Vector3d force = carrier.force;
       for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
-                   { force[axis] += w * left[dof] / weight[dof]; });
+                   { force[axis] += w > 0. ? w * left[dof] / weight[dof] : 0.; });
       carrier.force = admissible(force, carrier.normal, carrier.pair->stiffness, carrier.pair->committed.bonded);
       for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
                    { carried[dof] += w * carrier.force[axis]; });
