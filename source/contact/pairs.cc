@@ -13,6 +13,9 @@ namespace
 {
 /// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
 constexpr double nudge = 1e-6;
+/// Smaller shares of a corner at a node are round-off, of either sign, at the face opposite to that where it lies. Sums
+/// of such ones may not be divided by.
+constexpr double least_share = 1e-9;
 
 /// Corners of a buried body's neighbours are bonded up to this distance, in sizes of the particle: whatever the
 /// distance of the first row of particles from a face along the axes, one corner of each column lies nearer. Less than
@@ -73,7 +76,8 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
   add_leaf_shape<dim>(table, leaf, inside, 1., shares);
   // a sliver of the box may reach into a leaf without making all its nodes active
   shares.erase(std::remove_if(shares.begin(), shares.end(),
-                              [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
+                              [&](const auto& share)
+                              { return number[share.node] == ActiveNodes::inactive || share.value < least_share; }),
                shares.end());
   double sum = 0.;
   for (const NodeShare<dim>& share : shares)

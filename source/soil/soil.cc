@@ -18,19 +18,63 @@ constexpr double worst_imbalance = 1.1;
 /// Samples per axis of a box.
 constexpr unsigned int samples = 4;
 
-/// Whether more than half of a box lies inside the bodies. Beside one face that is where its centre does; between two
-/// bodies, or in a corner, there may be no room for a particle whose centre lies outside.
+/// Cosine between the normals of surfaces that face each other, at most.
+constexpr double facing = -0.5;
+/// Boxes that a slit between bodies must hold side by side. A single row in the cells of both walls cannot yield.
+constexpr double boxes_across_slit = 2.;
+
+/// Where the surfaces are that reach nearer to a point than the radius.
 template <int dim>
-bool is_mostly_inside(const RigidSystems& bodies, const dealii::Point<dim>& centre, const double* half_width)
+std::vector<ClosestPoint> surfaces_around(const RigidSystems& bodies, const dealii::Point<dim>& centre,
+                                          const double radius)
+{
+  std::vector<ClosestPoint> found;
+  for (const WeldedSurface& welded : bodies.surfaces)
+  {
+    const Pose& pose = bodies.points[welded.point].pose;
+    const Eigen::Vector3d x = pose.to_body(to_world<dim>(centre));
+    if (welded.surface.surely_farther_than(x, radius))
+      continue;
+    if (auto closest = welded.surface.closest_point(x); closest.gap < radius)
+    {
+      closest.normal = pose.direction_to_world(closest.normal);
+      found.push_back(closest);
+    }
+  }
+  return found;
+}
+
+/// Whether a box lies in a slit between two bodies that is too narrow for soil.
+template <int dim> bool is_squeezed(const std::vector<ClosestPoint>& around, const double* half_width)
+{
+  for (std::size_t i = 0; i < around.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+    {
+      if (around[i].normal.dot(around[j].normal) > facing)
+        continue;
+      const Eigen::Vector3d across = (around[i].normal - around[j].normal).normalized();
+      double width = 0.; // of the box
+      for (unsigned int d = 0; d < dim; ++d)
+        width += 2. * half_width[d] * std::abs(across[world_axis(dim, d)]);
+      if (around[i].gap + around[j].gap < boxes_across_slit * width)
+        return true;
+    }
+  return false;
+}
+
+/// Whether the bodies leave no room for a box: more than half of it lies inside them, or it is squeezed in a slit.
+/// Beside one face that is where its centre lies inside; between two bodies, or in a corner, it may not.
+template <int dim>
+bool has_no_room(const RigidSystems& bodies, const dealii::Point<dim>& centre, const double* half_width)
 {
   double radius = 0.;
   for (unsigned int d = 0; d < dim; ++d)
     radius += half_width[d];
-  const auto is_far = [&](const WeldedSurface& welded) {
-    return welded.surface.surely_farther_than(bodies.points[welded.point].pose.to_body(to_world<dim>(centre)), radius);
-  };
-  if (std::all_of(bodies.surfaces.begin(), bodies.surfaces.end(), is_far))
+  const std::vector<ClosestPoint> around = surfaces_around<dim>(bodies, centre, 2. * radius);
+  if (around.empty())
     return false;
+  if (is_squeezed<dim>(around, half_width))
+    return true;
   const unsigned int n = dim == 3 ? samples * samples * samples : samples * samples;
   unsigned int inside = 0;
   for (unsigned int sample = 0; sample < n; ++sample)
@@ -177,7 +221,7 @@ template <int dim> long long Soil<dim>::remove_buried(const RigidSystems& bodies
       {
         const dealii::Point<dim> x = particle.get_location();
         return is_inside(bodies, to_world<dim>(x)) ||
-               is_mostly_inside<dim>(bodies, x, &particle.get_properties()[field::half_width]);
+               has_no_room<dim>(bodies, x, &particle.get_properties()[field::half_width]);
       });
   deleted += removed;
   return removed;

@@ -71,7 +71,8 @@ public:
   /// Splits the material points that have come into cells too small for them. Returns whether there were any.
   bool split(const RigidSystems& bodies);
 
-  /// Removes the material points whose centre or the larger part of whose box lies inside bodies; returns their number.
+  /// Removes the material points whose centre or the larger part of whose box lies inside bodies, or that lie in a slit
+  /// between two bodies where no two of them fit side by side; returns their number.
   long long remove_buried(const RigidSystems& bodies);
 
   /// Makes the trial state of a converged step the committed one. `bodies`: as the step leaves them where it had

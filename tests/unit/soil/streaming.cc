@@ -86,3 +86,26 @@ TYPED_TEST(FlowingSoil, FindsNoRoomInANarrowSlit)
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
     EXPECT_GT(std::abs(this->particles.positions()[p][0] - 0.7), 0.3);
 }
+
+TYPED_TEST(FlowingSoil, FindsNoRoomInASlitOfASingleRow)
+{
+  // Both bodies leave all of the boxes of 0.2 m around 0.7 m, or nearly: no second row fits between 0.6 and 0.98 m.
+  this->bodies.points[0].pose.position = {0., 0., 0.};
+  this->bodies.surfaces.clear();
+  this->bodies.surfaces.push_back({Surface(test::box({0.58, -50., -1.}, {0.61, 50., 2.})), 0});
+  this->bodies.surfaces.push_back({Surface(test::box({0.98, -50., -1.}, {1.01, 50., 2.})), 0});
+  const long long all = this->particles.n_global();
+  EXPECT_EQ(this->soil.remove_buried(this->bodies), all * 2 / 8);
+  for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
+    EXPECT_GT(std::abs(this->particles.positions()[p][0] - 0.8), 0.2);
+}
+
+TYPED_TEST(FlowingSoil, StaysBetweenThinBodies)
+{
+  // Two rows fit between the bodies, which are thinner than boxes.
+  this->bodies.points[0].pose.position = {0., 0., 0.};
+  this->bodies.surfaces.clear();
+  this->bodies.surfaces.push_back({Surface(test::box({0.56, -50., -1.}, {0.59, 50., 2.})), 0});
+  this->bodies.surfaces.push_back({Surface(test::box({1.01, -50., -1.}, {1.04, 50., 2.})), 0});
+  EXPECT_EQ(this->soil.remove_buried(this->bodies), 0);
+}
