@@ -13,8 +13,8 @@ namespace
 {
 /// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
 constexpr double nudge = 1e-6;
-/// Smaller shares of a corner at a node are round-off, of either sign, at the face opposite to that where it lies. Sums
-/// of such ones may not be divided by.
+/// What active nodes hold of a corner is round-off below this share, at the face opposite to that where the corner
+/// lies; weights may not be made of it.
 constexpr double least_share = 1e-9;
 
 /// Corners of a buried body's neighbours are bonded up to this distance, in sizes of the particle: whatever the
@@ -76,13 +76,12 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
   add_leaf_shape<dim>(table, leaf, inside, 1., shares);
   // a sliver of the box may reach into a leaf without making all its nodes active
   shares.erase(std::remove_if(shares.begin(), shares.end(),
-                              [&](const auto& share)
-                              { return number[share.node] == ActiveNodes::inactive || share.value < least_share; }),
+                              [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
                shares.end());
   double sum = 0.;
   for (const NodeShare<dim>& share : shares)
     sum += share.value;
-  if (!(sum > 0.))
+  if (!(sum > least_share))
     return false;
   for (const NodeShare<dim>& share : shares)
   {

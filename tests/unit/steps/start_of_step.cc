@@ -64,17 +64,6 @@ TEST(WishedInPlace, BodyCarriesWhatTheSoilHasCarriedThatItReplaces)
   EXPECT_NEAR(taken.loads[0][2], 0.8 * 0.4 * 2e4, 0.02 * 0.8 * 0.4 * 2e4);
 }
 
-TEST(WishedInPlace, CornersOnFacesHangOnNodesOfTheFaceAlone)
-{
-  BuriedBlock block;
-  ASSERT_GT(block.soil.remove_buried(block.bodies), 0);
-  block.rest(true);
-  const PointForces& points = block.contact.points_of_last_evaluation();
-  ASSERT_GT(points.n_points(), 0u);
-  for (const double weight : points.weights)
-    EXPECT_GT(weight, 1e-9);
-}
-
 TEST(Balance, IsReachedInParts)
 {
   BuriedBlock block;
