@@ -32,9 +32,9 @@ template <int dim> KEDGE_FUNCTION SymmetricTensor with_mean_stress(SymmetricTens
 ///   sum V J* = sum V J,  p(J*) / J* - o + spring (ln J* - ln Jbar) = pi,
 /// o the particle's distance from the cell's mean at the start of the step, so soil at rest keeps its gradients, and
 /// Jbar = sum V J / sum V. The spring, a thousandth of the elastic modulus, gives an answer where particles are at the
-/// apex, whose pressure does not depend on their volume. This
-/// is a mixed formulation with a constant pressure in each cell whose unknowns are eliminated at once: soil that
-/// dilates is not softened at those particles of a cell that dilate most, as it is where they share J itself.
+/// apex, whose pressure does not depend on their volume. This is a mixed formulation with a constant pressure in each
+/// cell whose unknowns are eliminated at once: soil that dilates is not softened at those particles of a cell that
+/// dilate most, as it is where they share J itself.
 /// Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J* / J)^(1/dim),
 /// which stretch dF, and pi to the cells. Where a particle has J <= 0, or no pressure is found, nothing is shared.
 template <int dim>

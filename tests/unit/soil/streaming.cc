@@ -36,6 +36,15 @@ public:
     return grid;
   }
 
+  /// Puts two bodies in place of the one, each between two places along x.
+  void put_walls(const std::array<std::array<double, 2>, 2>& ends)
+  {
+    bodies.points[0].pose.position = {0., 0., 0.};
+    bodies.surfaces.clear();
+    for (const auto& [from, to] : ends)
+      bodies.surfaces.push_back({Surface(test::box({from, -50., -1.}, {to, 50., 2.})), 0});
+  }
+
   /// Of all ranks: particles wider than sqrt(2) times their cell over the points per axis.
   long long count_wide() const
   {
@@ -77,10 +86,7 @@ TYPED_TEST(FlowingSoil, FindsNoRoomInANarrowSlit)
 {
   // Particles of 0.2 m, their centres at 0.5 and 0.7 m; the slit from 0.68 to 0.72 m is narrower than their boxes. The
   // bodies' outer faces lie between centres and inside boxes.
-  this->bodies.points[0].pose.position = {0., 0., 0.};
-  this->bodies.surfaces.clear();
-  this->bodies.surfaces.push_back({Surface(test::box({0.38, -50., -1.}, {0.68, 50., 2.})), 0});
-  this->bodies.surfaces.push_back({Surface(test::box({0.72, -50., -1.}, {0.98, 50., 2.})), 0});
+  this->put_walls({{{0.38, 0.68}, {0.72, 0.98}}});
   const long long all = this->particles.n_global();
   EXPECT_EQ(this->soil.remove_buried(this->bodies), all * 3 / 8);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
@@ -90,10 +96,7 @@ TYPED_TEST(FlowingSoil, FindsNoRoomInANarrowSlit)
 TYPED_TEST(FlowingSoil, FindsNoRoomInASlitOfASingleRow)
 {
   // Both bodies leave all of the boxes of 0.2 m around 0.7 m, or nearly: no second row fits between 0.6 and 0.98 m.
-  this->bodies.points[0].pose.position = {0., 0., 0.};
-  this->bodies.surfaces.clear();
-  this->bodies.surfaces.push_back({Surface(test::box({0.58, -50., -1.}, {0.61, 50., 2.})), 0});
-  this->bodies.surfaces.push_back({Surface(test::box({0.98, -50., -1.}, {1.01, 50., 2.})), 0});
+  this->put_walls({{{0.58, 0.61}, {0.98, 1.01}}});
   const long long all = this->particles.n_global();
   EXPECT_EQ(this->soil.remove_buried(this->bodies), all * 2 / 8);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
@@ -103,9 +106,6 @@ TYPED_TEST(FlowingSoil, FindsNoRoomInASlitOfASingleRow)
 TYPED_TEST(FlowingSoil, StaysBetweenThinBodies)
 {
   // Two rows fit between the bodies, which are thinner than boxes.
-  this->bodies.points[0].pose.position = {0., 0., 0.};
-  this->bodies.surfaces.clear();
-  this->bodies.surfaces.push_back({Surface(test::box({0.56, -50., -1.}, {0.59, 50., 2.})), 0});
-  this->bodies.surfaces.push_back({Surface(test::box({1.01, -50., -1.}, {1.04, 50., 2.})), 0});
+  this->put_walls({{{0.56, 0.59}, {1.01, 1.04}}});
   EXPECT_EQ(this->soil.remove_buried(this->bodies), 0);
 }
