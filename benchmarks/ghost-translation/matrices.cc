@@ -154,23 +154,26 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
       used[node] = 1;
   const ActiveNodes nodes = number_active_nodes<dim>(table, used, MPI_COMM_SELF);
   const StencilSet stencils = upload_stencils<dim>(std::move(host), nodes.number);
-  const GhostFaces faces = upload_ghost_faces(std::move(host_faces), nodes.number);
+  GhostFaces faces = upload_ghost_faces(std::move(host_faces), nodes.number);
   System system(dim, {MPI_COMM_SELF, nodes.n_owned, nodes.global, nodes.ghost_begin},
                 {{stencils.pattern_node_begin, stencils.pattern_nodes}, {faces.node_begin, faces.nodes}},
                 std::vector<unsigned char>(dim * nodes.n_local(), 0));
 
-  const auto ghost = [&](const View<double*>& weight)
+  const auto at_rest = system.make_nodal_vector();
+  const auto ghost = [&]
   {
     return assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
-                    { add_ghost_matrix<dim>(faces, weight, graph, values); });
+                    { add_ghost_matrix<dim>(faces, at_rest, graph, values); });
   };
   if (kind == Kind::mass)
-    return {consistent_mass(stencils, particles.volume, nodes.n_local()), first_component(ghost(faces.mass), dim)};
+  {
+    faces.stiffness = faces.mass;
+    return {consistent_mass(stencils, particles.volume, nodes.n_local()), first_component(ghost(), dim)};
+  }
   const Materials materials = make_materials();
-  const auto at_rest = system.make_nodal_vector();
   return {assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
                    { add_tangent<dim>(arrays, stencils, materials, at_rest, graph, values); }),
-          ghost(faces.stiffness)};
+          ghost()};
 }
 
 double condition_number(const Eigen::MatrixXd& matrix, const unsigned int n_rigid)

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/kernels.h>
 
@@ -18,34 +19,62 @@ KEDGE_FUNCTION FaceMatrix matrix_of(const GhostFaces& faces, const std::size_t f
   const unsigned int first = faces.node_begin(f);
   return {faces.node_begin(f + 1) - first, &faces.nodes(first), &faces.value(faces.value_begin(f))};
 }
+
+/// How a face answers to the increments of its nodes: force pull times secant, see the theory.
+template <int dim> struct FaceResponse
+{
+  double pull[max_ghost_face_nodes][dim]; ///< J u of every node, m^4 (2-D: m3)
+  double secant;                          ///< of the force, N/m4
+  double softening;                       ///< loss of the tangent along the pull, N/m^(6 + dim)
+};
+
+template <int dim>
+KEDGE_FUNCTION void find_response(const GhostFaces& faces, const std::size_t f, const View<double*>& increment,
+                                  FaceResponse<dim>& response)
+{
+  const auto [n, node, J] = matrix_of(faces, f);
+  double energy = 0.;
+  for (unsigned int a = 0; a < n; ++a)
+    for (int c = 0; c < dim; ++c)
+    {
+      double pull = 0.;
+      for (unsigned int b = 0; b < n; ++b)
+        pull += J[a * n + b] * increment(static_cast<std::size_t>(dim) * node[b] + c);
+      response.pull[a][c] = pull;
+      energy += pull * increment(static_cast<std::size_t>(dim) * node[a] + c);
+    }
+  const double reference = faces.measure(f) * ghost_yield_jump * ghost_yield_jump;
+  const double excess = 1. + energy / reference, yielding = faces.stiffness(f) * (1. - ghost_floor);
+  response.secant = faces.stiffness(f) * ghost_floor + yielding / std::sqrt(excess);
+  response.softening = yielding / (reference * excess * std::sqrt(excess));
+}
 } // namespace
 
 template <int dim>
-void add_ghost_force(const GhostFaces& faces, const View<double*>& weight, const View<double*>& nodal,
-                     const View<double*>& force)
+void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force)
 {
   Kokkos::parallel_for(
       "ghost force", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        const auto [n, node, J] = matrix_of(faces, f);
+        FaceResponse<dim> response;
+        find_response(faces, f, increment, response);
+        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
         for (unsigned int a = 0; a < n; ++a)
           for (int c = 0; c < dim; ++c)
-          {
-            double sum = 0.;
-            for (unsigned int b = 0; b < n; ++b)
-              sum += J[a * n + b] * nodal(static_cast<std::size_t>(dim) * node[b] + c);
-            add_to(force(static_cast<std::size_t>(dim) * node[a] + c), weight(f) * sum);
-          }
+            add_to(force(static_cast<std::size_t>(dim) * faces.nodes(first + a) + c),
+                   response.secant * response.pull[a][c]);
       });
 }
 
 template <int dim>
-void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, const NodeGraph& graph,
+void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, const NodeGraph& graph,
                       const View<double*>& values)
 {
   const auto row_begin = graph.row_begin;
   const auto column = graph.column;
   Kokkos::parallel_for(
       "ghost matrix", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        FaceResponse<dim> response;
+        find_response(faces, f, increment, response);
         const auto [n, node, J] = matrix_of(faces, f);
         for (unsigned int a = 0; a < n; ++a)
         {
@@ -56,7 +85,10 @@ void add_ghost_matrix(const GhostFaces& faces, const View<double*>& weight, cons
           {
             const std::size_t position = find_entry(row_begin, column, node[a], node[b]) - begin;
             for (int c = 0; c < dim; ++c)
-              add_to(row[dim * (c * length + position) + c], weight(f) * J[a * n + b]);
+              for (int d = 0; d < dim; ++d)
+                add_to(row[dim * (c * length + position) + d],
+                       (c == d ? response.secant * J[a * n + b] : 0.) -
+                           response.softening * response.pull[a][c] * response.pull[b][d]);
           }
         }
       });
@@ -75,8 +107,8 @@ void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const Nodal
       });
 }
 
-template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const View<double*>&, const View<double*>&);
-template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&, const View<double*>&);
+template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const View<double*>&);
+template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&);
 template void add_ghost_matrix<2>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
 template void add_ghost_matrix<3>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
 } // namespace kedge

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <kedge/basis/ghost_faces.h>
 #include <kedge/basis/gimp.h>
+#include <stdexcept>
+#include <string>
 
 namespace kedge
 {
@@ -34,13 +36,16 @@ void add_face(const LeafTable<dim>& table, const unsigned int leaf, const unsign
     for (const NodeShare<dim>& share : shares) // the leaves' nodes have the same order at every point
       jumps[q].push_back(share.gradient[axis]);
   }
+  if (nodes.size() > max_ghost_face_nodes)
+    throw std::logic_error("a ghost face has " + std::to_string(nodes.size()) + " nodes");
+  faces.measure.push_back(h * h * h / 3. * area);
   for (unsigned int a = 0; a < nodes.size(); ++a)
     for (unsigned int b = 0; b < nodes.size(); ++b)
     {
       double sum = 0.;
       for (unsigned int q = 0; q < n_points; ++q)
         sum += jumps[q][a] * jumps[q][b];
-      faces.value.push_back(h * h * h / 3. * area / n_points * sum);
+      faces.value.push_back(faces.measure.back() / n_points * sum);
     }
   faces.nodes.insert(faces.nodes.end(), nodes.begin(), nodes.end());
   faces.node_begin.push_back(faces.nodes.size());
@@ -84,9 +89,13 @@ GhostFaces upload_ghost_faces(HostGhostFaces&& host, const std::vector<unsigned 
 {
   for (unsigned int& node : host.nodes)
     node = number[node];
-  return {upload(host.node_begin, "ghost node begin"),   upload(host.nodes, "ghost nodes"),
-          upload(host.value_begin, "ghost value begin"), upload(host.value, "ghost values"),
-          upload(host.stiffness, "ghost stiffness"),     upload(host.mass, "ghost mass")};
+  return {upload(host.node_begin, "ghost node begin"),
+          upload(host.nodes, "ghost nodes"),
+          upload(host.value_begin, "ghost value begin"),
+          upload(host.value, "ghost values"),
+          upload(host.measure, "ghost measure"),
+          upload(host.stiffness, "ghost stiffness"),
+          upload(host.mass, "ghost mass")};
 }
 
 template HostGhostFaces find_ghost_faces<2>(const LeafTable<2>&, const std::vector<LeafContent>&, const GhostFactors&);

@@ -13,8 +13,8 @@ namespace
 {
 /// A corner takes its shape functions from the cell on its particle's side, also where it lies on a face of cells.
 constexpr double nudge = 1e-6;
-/// What active nodes hold of a corner is round-off below this share, at the face opposite to that where the corner
-/// lies; weights may not be made of it.
+/// What a node holds of a corner is round-off below this share, at the face opposite to that where the corner lies: a
+/// force that only such nodes would carry could grow without end.
 constexpr double least_share = 1e-9;
 
 /// Corners of a buried body's neighbours are bonded up to this distance, in sizes of the particle: whatever the
@@ -76,13 +76,16 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
   add_leaf_shape<dim>(table, leaf, inside, 1., shares);
   // a sliver of the box may reach into a leaf without making all its nodes active
   shares.erase(std::remove_if(shares.begin(), shares.end(),
-                              [&](const auto& share) { return number[share.node] == ActiveNodes::inactive; }),
+                              [&](const auto& share) {
+                                return number[share.node] == ActiveNodes::inactive ||
+                                       std::abs(share.value) < least_share;
+                              }),
                shares.end());
+  if (shares.empty())
+    return false;
   double sum = 0.;
   for (const NodeShare<dim>& share : shares)
     sum += share.value;
-  if (!(sum > least_share))
-    return false;
   for (const NodeShare<dim>& share : shares)
   {
     points.nodes.push_back(number[share.node]);

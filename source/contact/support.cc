@@ -64,9 +64,8 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
     for (Carrier& carrier : carriers)
     {
       Eigen::Vector3d force = carrier.force;
-      // a sum of less than one of its parts is round-off of either sign, and nothing to divide by
       for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
-                   { force[axis] += w > 0. && 2. * weight[dof] > w ? w * left[dof] / weight[dof] : 0.; });
+                   { force[axis] += weight[dof] > 0. ? w * left[dof] / weight[dof] : 0.; });
       carrier.force = admissible(force, carrier.normal, carrier.pair->stiffness, carrier.pair->committed.bonded);
       for_each_dof(carrier, [&](const std::size_t dof, const unsigned int axis, const double w)
                    { carried[dof] += w * carrier.force[axis]; });

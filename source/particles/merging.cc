@@ -46,9 +46,10 @@ template <int dim> Group<dim> select_smallest(Group<dim> group, const double lim
 {
   const auto volume = [](const Particle<dim>& particle)
   { return domain_volume<dim>(particle->get_properties().data()); };
-  std::sort(group.begin(), group.end(),
-            [&](const auto& a, const auto& b)
-            { return std::make_pair(volume(a), a->get_id()) < std::make_pair(volume(b), b->get_id()); });
+  // siblings have the same volume but for round-off, which depends on ranks and which float leaves out
+  const auto place = [&](const Particle<dim>& particle)
+  { return std::make_pair(static_cast<float>(volume(particle)), particle->get_id()); };
+  std::sort(group.begin(), group.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   const double largest_sum = std::pow(limit, dim);
   double sum = 0.;
   const auto end = std::find_if(group.begin(), group.end(),

@@ -35,8 +35,8 @@ Section<SolverParameters> solver_section()
   section.optional(
       "ghost factor", &P::ghost_factor, maybe(number("1/m2", not_negative())),
       "Scale of the ghost stabilisation of the stiffness; its strength is this times the square of the cell size. "
-      "Without the key the strength is 0.02 for cells of any size. In clay with F-bar a strength of 0.1, 0.025 and "
-      "0.0025 gives a strip plate 12.65, 12.4 and 12.2 s_u: more stiffens, less than 0.002 leaves slivers loose; 0: "
+      "Without the key the strength is 0.02 for cells of any size. It yields where the soil shears, so a strength of "
+      "0.1 and 0.01 gives a strip plate in clay 12.3 and 12.2 s_u; less than 0.002 leaves slivers loose; 0: "
       "none");
   section.optional("ghost factor mass", &P::ghost_factor_mass, number("-", not_negative()),
                    "Scale of the ghost stabilisation of the mass in dynamic stages; 0: none");

@@ -295,7 +295,7 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
     add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
   }
-  add_ghost_force<dim>(basis.ghost_faces, basis.ghost_faces.stiffness, local_increment, force);
+  add_ghost_force<dim>(basis.ghost_faces, local_increment, force);
   if (load.newmark.is_dynamic())
     add_inertia_force(system->graph(), motion, load.newmark, local_increment, force);
   const auto nodal_residual = rigid_unknowns->nodal(r);
@@ -327,7 +327,7 @@ LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const Tpet
                      system->graph(), system->values(), basis.cells, how.damping);
     if (context.stage.rigid_bodies)
       add_point_tangents(context.soil.contact().points_of_last_evaluation(), -1., system->graph(), system->values());
-    add_ghost_matrix<dim>(basis.ghost_faces, basis.ghost_faces.stiffness, system->graph(), system->values());
+    add_ghost_matrix<dim>(basis.ghost_faces, local_increment, system->graph(), system->values());
     if (load.newmark.is_dynamic())
       add_mass_matrix(system->graph(), motion.mass, load.newmark.stiffness_factor(), system->values());
     system->finish_matrix();

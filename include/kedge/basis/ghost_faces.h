@@ -7,6 +7,9 @@
 
 namespace kedge
 {
+/// Nodes that a face may have: both leaves' corners, or the masters of those that hang.
+constexpr unsigned int max_ghost_face_nodes = 32;
+
 /// Stabilised faces of a rank; nodes are local numbers of the leaf table. Face f has the nodes
 /// nodes[node_begin[f] .. node_begin[f + 1]) and the symmetric matrix J (m3; 2-D: m2) at value[value_begin[f]].
 /// stiffness[f] J acts on increments (N/m), mass[f] J on accelerations (kg).
@@ -15,6 +18,7 @@ struct HostGhostFaces
   std::vector<unsigned int> node_begin{0}, nodes;
   std::vector<std::size_t> value_begin{0};
   std::vector<double> value;
+  std::vector<double> measure;   ///< h^3 / 3 times the area of the face, m^(dim + 2)
   std::vector<double> stiffness; ///< factor times Young's modulus, N/m4
   std::vector<double> mass;      ///< factor times density, kg/m3
 };
@@ -24,7 +28,7 @@ struct GhostFaces
 {
   View<unsigned int*> node_begin, nodes;
   View<std::size_t*> value_begin;
-  View<double*> value, stiffness, mass;
+  View<double*> value, measure, stiffness, mass;
 
   std::size_t n_faces() const { return stiffness.extent(0); }
 };

@@ -45,20 +45,29 @@ template <int dim> struct StabilisedBlock
   }
 
   /// Contribution of this rank's faces.
-  NodalVector force(const kedge::View<double*>& weight, const NodalVector& x) const
+  NodalVector force(const NodalVector& x) const
   {
     const NodalVector result = system->make_nodal_vector();
-    add_ghost_force<dim>(faces, weight, x, result);
+    add_ghost_force<dim>(faces, x, result);
     return result;
   }
 
-  TpetraVector matrix_times(const kedge::View<double*>& weight, const NodalVector& x) const
+  /// Force of all ranks' faces on the owned dofs.
+  TpetraVector owned_force(const NodalVector& x) const
+  {
+    TpetraVector result(system->graph().row_map);
+    system->collect(force(x), result);
+    return result;
+  }
+
+  /// The tangent at x times y.
+  TpetraVector tangent_times(const NodalVector& x, const NodalVector& y) const
   {
     system->clear_matrix();
-    add_ghost_matrix<dim>(faces, weight, system->graph(), system->values());
+    add_ghost_matrix<dim>(faces, x, system->graph(), system->values());
     system->finish_matrix();
     TpetraVector owned(system->graph().row_map), product(system->graph().row_map);
-    const auto from = on_host(x);
+    const auto from = on_host(y);
     auto to = owned.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (unsigned int i = 0; i < dim * nodes.n_owned; ++i)
       to(i, 0) = from(i);
@@ -77,14 +86,26 @@ template <typename Dimension> class GhostStabilisation : public testing::Test
 public:
   static constexpr int dim = Dimension::value;
 
-  /// Largest difference of matrix times vector and force, relative to the force.
-  double error_of_matrix(const kedge::View<double*>& weight) const
+  NodalVector random(const double strain, const unsigned int salt = 3) const
   {
-    const NodalVector x = parts.nodal(test::Block<dim>::random_field(1., 3));
-    TpetraVector difference = parts.matrix_times(weight, x), force(difference.getMap());
-    parts.system->collect(parts.force(weight, x), force);
-    difference.update(-1., force, 1.);
-    return difference.normInf() / force.normInf();
+    return parts.nodal(test::Block<dim>::random_field(strain, salt));
+  }
+
+  /// Error of the tangent at increments of the given strain against differences of forces, relative to their largest.
+  double error_of_tangent(const double strain) const
+  {
+    const NodalVector x = random(strain), y = random(strain, 7), forward = random(0.), backward = random(0.);
+    constexpr double step = 1e-4;
+    Kokkos::parallel_for(
+        x.extent(0), KOKKOS_LAMBDA(const std::size_t i) {
+          forward(i) = x(i) + step * y(i);
+          backward(i) = x(i) - step * y(i);
+        });
+    TpetraVector difference = parts.owned_force(forward);
+    difference.update(-0.5 / step, parts.owned_force(backward), 0.5 / step);
+    const double largest = difference.normInf();
+    difference.update(-1., parts.tangent_times(x, y), 1.);
+    return difference.normInf() / largest;
   }
 
   StabilisedBlock<dim> parts;
@@ -94,14 +115,41 @@ using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_
 TYPED_TEST_SUITE(GhostStabilisation, Dimensions, test::DimensionName);
 } // namespace
 
-TYPED_TEST(GhostStabilisation, OfTheStiffnessIsTheDerivativeOfItsForce)
+TYPED_TEST(GhostStabilisation, HasTheTangentOfItsForce)
 {
-  EXPECT_LT(this->error_of_matrix(this->parts.faces.stiffness), 1e-13);
+  for (const double strain : {0.01, 1., 100.}) // jumps far below, at and far beyond those that yield
+    EXPECT_LT(this->error_of_tangent(strain * ghost_yield_jump), 1e-6) << strain;
 }
 
-TYPED_TEST(GhostStabilisation, OfTheMassIsTheDerivativeOfItsForce)
+TYPED_TEST(GhostStabilisation, IsElasticAtSmallAndYieldsAtLargeJumps)
 {
-  EXPECT_LT(this->error_of_matrix(this->parts.faces.mass), 1e-13);
+  constexpr double small = 1e-3 * ghost_yield_jump, large = 1e3 * ghost_yield_jump;
+  const double elastic = this->parts.owned_force(this->random(small)).norm2() / small;
+  EXPECT_NEAR(this->parts.owned_force(this->random(0.1 * small)).norm2() / small, 0.1 * elastic, 1e-6 * elastic);
+  EXPECT_NEAR(this->parts.owned_force(this->random(large)).norm2() / large, ghost_floor * elastic, 0.01 * elastic);
+}
+
+TYPED_TEST(GhostStabilisation, OfTheMassWeighsTheJumps)
+{
+  constexpr int dim = TypeParam::value;
+  const StabilisedBlock<dim> serial(MPI_COMM_SELF);
+  const GhostFaces& faces = serial.faces;
+  const NodeGraph& graph = serial.system->graph();
+  const NodalMass mass("mass", graph.column.extent(0));
+  add_ghost_mass(faces, graph, mass);
+  const auto x = [](const unsigned int node) { return test::noise(node, 5) - 0.5; };
+  double energy = 0., expected = 0.;
+  for (unsigned int a = 0; a < serial.nodes.n_local(); ++a)
+    for (std::size_t entry = on_host(graph.row_begin)(a); entry < on_host(graph.row_begin)(a + 1); ++entry)
+      energy += x(a) * on_host(mass)(entry) * x(on_host(graph.column)(entry));
+  const std::vector<unsigned int> begin = download(faces.node_begin), nodes = download(faces.nodes);
+  const std::vector<std::size_t> value_begin = download(faces.value_begin);
+  const std::vector<double> J = download(faces.value), weight = download(faces.mass);
+  for (std::size_t f = 0; f < faces.n_faces(); ++f)
+    for (unsigned int a = begin[f], i = 0; a < begin[f + 1]; ++a)
+      for (unsigned int b = begin[f]; b < begin[f + 1]; ++b)
+        expected += weight[f] * x(nodes[a]) * J[value_begin[f] + i++] * x(nodes[b]);
+  EXPECT_NEAR(energy, expected, 1e-12 * expected);
 }
 
 TYPED_TEST(GhostStabilisation, LeavesLinearFieldsAlone)
@@ -109,7 +157,7 @@ TYPED_TEST(GhostStabilisation, LeavesLinearFieldsAlone)
   const auto largest = [this](const auto& field)
   {
     double result = 0.;
-    const auto force = on_host(this->parts.force(this->parts.faces.stiffness, this->parts.nodal(field)));
+    const auto force = on_host(this->parts.force(this->parts.nodal(field)));
     for (std::size_t i = 0; i < force.extent(0); ++i)
       result = std::max(result, std::abs(force(i)));
     return max_over_ranks(result, MPI_COMM_WORLD);
@@ -125,7 +173,7 @@ TYPED_TEST(GhostStabilisation, IsThatOfOneRank)
   const auto energy = [&field](const StabilisedBlock<dim>& parts)
   {
     const NodalVector x = parts.nodal(field);
-    const auto displacement = on_host(x), force = on_host(parts.force(parts.faces.stiffness, x));
+    const auto displacement = on_host(x), force = on_host(parts.force(x));
     double sum = 0.;
     // The system's vector may be longer: nodes that only other ranks' faces couple come last in it.
     for (std::size_t i = 0; i < displacement.extent(0); ++i)
