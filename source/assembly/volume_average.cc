@@ -13,12 +13,6 @@ using Member = Policy::member_type;
 /// strain in a step from which on soil flows. Soil at rest keeps the gradient of its pressure.
 constexpr double relaxed_share = 0.5, flow = 1e-3;
 
-/// Mean of the dim normal components of a particle's trial stress, Pa.
-template <int dim> KEDGE_FUNCTION double mean_trial_stress(const ParticleArrays& particles, const unsigned int p)
-{
-  return mean_stress<dim>(row_of(particles.trial_stress, p));
-}
-
 template <int dim> struct MeanDilationKernel
 {
   ParticleArrays particles;
@@ -114,65 +108,6 @@ template <int dim> struct MeanDilationKernel
 };
 } // namespace
 
-template <int dim>
-void share_volume_change(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                         const NodalVector& increment)
-{
-  const View<double*> factor = cells.volume_factor;
-  Kokkos::parallel_for(
-      "share volume change", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
-      KOKKOS_LAMBDA(const std::size_t c) {
-        // First pass: J of every particle, and the volumes of the cell before and after. Second pass: the factors.
-        const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
-        double before = 0., after = 0.;
-        for (unsigned int p = begin; p < end; ++p)
-        {
-          const double J = determinant(deformation_increment<dim>(stencils, increment, p));
-          factor(p) = J;
-          if (J > 0.)
-          {
-            before += integration_volume(particles, stencils, p);
-            after += integration_volume(particles, stencils, p) * J;
-          }
-        }
-        for (unsigned int p = begin; p < end; ++p)
-          factor(p) = factor(p) > 0. ? std::pow(after / (before * factor(p)), 1. / dim) : 1.;
-      });
-}
-
-template <int dim>
-void add_force_of_mean_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                const NodalVector& increment, const NodalVector& force)
-{
-  Kokkos::parallel_for(
-      "mean pressure", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), KOKKOS_LAMBDA(const std::size_t c) {
-        const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
-        double stress = 0., volume = 0.;
-        for (unsigned int p = begin; p < end; ++p)
-        {
-          const double J = determinant(deformation_increment<dim>(stencils, increment, p));
-          if (J > 0.)
-          {
-            stress += integration_volume(particles, stencils, p) * mean_trial_stress<dim>(particles, p);
-            volume += integration_volume(particles, stencils, p) * J;
-          }
-        }
-        for (unsigned int p = begin; p < end; ++p)
-          cells.pressure(p) = volume > 0. ? stress / volume : 0.;
-      });
-  Kokkos::parallel_for(
-      "force of mean pressure", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-      KOKKOS_LAMBDA(const unsigned int i) {
-        const unsigned int p = stencils.pattern_particles(i);
-        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        if (determinant(dF) > 0.)
-          add_internal_force<dim>(
-              particles, stencils, p,
-              with_mean_stress<dim>(row_of(particles.trial_stress, p), determinant(dF) * cells.pressure(p)),
-              inverse(dF), force);
-      });
-}
-
 void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                     const Materials& materials)
 {
@@ -182,14 +117,14 @@ void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils,
         double sum = 0., volume = 0., plastic = 0.;
         for (unsigned int p = begin; p < end; ++p)
         {
-          sum += integration_volume(particles, stencils, p) * mean_trial_stress<3>(particles, p);
+          sum += integration_volume(particles, stencils, p) * mean_stress<3>(row_of(particles.trial_stress, p));
           plastic += integration_volume(particles, stencils, p) * particles.trial_plastic(p);
           volume += integration_volume(particles, stencils, p);
         }
         const double share = relaxed_share * std::fmin(1., plastic / (flow * volume));
         for (unsigned int p = begin; p < end; ++p)
         {
-          const double change = share * (sum / volume - mean_trial_stress<3>(particles, p));
+          const double change = share * (sum / volume - mean_stress<3>(row_of(particles.trial_stress, p)));
           const double bulk = materials(particles.layer(p)).elasticity(particles.young(p)).bulk();
           for (int i = 0; i < 3; ++i)
           {
@@ -221,10 +156,6 @@ void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stenci
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
-  template void share_volume_change<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                  \
-                                         const NodalVector&);                                                          \
-  template void add_force_of_mean_pressure<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,           \
-                                                const NodalVector&, const NodalVector&);                               \
   template void add_mean_dilation<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                    \
                                        const NodalVector&, const DilationModuli&, const NodeGraph&,                    \
                                        const View<double*>&);

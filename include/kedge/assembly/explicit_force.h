@@ -9,17 +9,20 @@ namespace kedge
 /// depend on the increment of the whole step alone. The laws' state variables are kept in the particles' trial state.
 struct ParticlePath
 {
-  View<double* [6]> left_cauchy_green; ///< elastic, exp(2 eps_e)
-  View<double* [9]>
-      inverse_deformation; ///< inverse of dF since the start of the step; with F-bar that of the stretched dF
+  View<double* [6]> left_cauchy_green;   ///< elastic, exp(2 eps_e)
+  View<double* [9]> inverse_deformation; ///< inverse of the dF since the start of the step that the law has seen
+  View<double* [9]> deformation;         ///< dF since the start of the step
 };
 
 /// Starts a path at the committed state and copies this state to the trial state.
 ParticlePath begin_path(const ParticleArrays& particles);
 
 /// Moves every particle to the given nodal increments since the start of the step (m), writes its trial state and adds
-/// its internal force (N) to `force`, as update_stress_and_force does. The plastic increments of a path add up. Returns
-/// the number of particles of this rank whose increment is not admissible; they add no force.
+/// its internal force (N) to `force`. The plastic increments of a path add up. Returns the number of particles of this
+/// rank whose increment is not admissible; they add no force, nor does their cell.
+/// With F-bar the particles of a cell share the volume change simpler than those of share_pressure(), as increments are
+/// small: dF is stretched by (Jbar / J)^(1/dim), Jbar the mean of J weighted by the integration volumes V, and the
+/// cell's pressure sum(V p) / sum(V J) J acts on the nodes in place of each particle's own.
 template <int dim>
 unsigned long advance_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                        const Materials& materials, const NodalVector& increment,

@@ -41,18 +41,6 @@ template <int dim>
 void share_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                     const Materials& materials, const NodalVector& increment);
 
-/// The simpler sharing of explicit basis steps, whose increments are small: factors (Jbar / J)^(1/dim), Jbar the mean
-/// of J over the particles of the cell, weighted by V. A particle with J <= 0 counts in no mean and keeps its dF.
-template <int dim>
-void share_volume_change(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                         const NodalVector& increment);
-
-/// Adds the internal force (N) of the trial stress with the cell's pressure sum(V p) / sum(V J) J in place of each
-/// particle's own.
-template <int dim>
-void add_force_of_mean_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                                const NodalVector& increment, const NodalVector& force);
-
 /// Brings the mean stress of every particle in soil that flows half of the distance nearer to that of its cell, trial
 /// stress and strain alike. Differences within a cell act on no node, so nothing else would take them away, and they
 /// would travel.

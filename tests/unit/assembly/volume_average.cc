@@ -1,6 +1,7 @@
 // F-bar: what it changes and what it must not change. tangent.cc tests its tangent.
 #include "block.h"
 #include <gtest/gtest.h>
+#include <kedge/assembly/explicit_force.h>
 #include <kedge/assembly/volume_average.h>
 
 using namespace kedge;
@@ -171,7 +172,9 @@ TYPED_TEST(FBar, SharesTheVolumeChangeInExplicitSteps)
   const ParticleArrays& arrays = this->block.particles.arrays();
   const CellGroups& cells = this->block.parts->cells;
   const NodalVector field = this->block.parts->nodal(this->block.random_field(0.1, 1));
-  share_volume_change<dim>(arrays, this->block.parts->stencils, cells, field);
+  ASSERT_EQ(advance_stress_and_force<dim>(arrays, this->block.parts->stencils, this->block.materials, field,
+                                          begin_path(arrays), this->system->make_nodal_vector(), cells),
+            0u);
   const auto f =
       on_host(interpolate_increments<dim>(arrays, this->block.parts->stencils, field, cells).deformation_gradient);
   const auto determinant_of = [&](const std::size_t p)
