@@ -13,8 +13,8 @@ constexpr double facets = 0.9; // a rounding of a few facets measures a little l
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
 constexpr unsigned int most_points = 4;
-/// Strength of the ghost stabilisation from which on it costs accuracy, no unit.
-constexpr double strongest_ghost = 0.3;
+/// Strength of the ghost stabilisation from which on it costs accuracy, and below which steps fail; no unit.
+constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
 constexpr double most_poor = 0.5;
 constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 5.; // of contact springs
 
@@ -94,6 +94,13 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
     warnings.push_back(
         fmt::format("\"ghost factor\" {:.3g} is {:.2g} over the square of the finest cells, which stiffens "
                     "soil that flows; take 0.02 over it, as without the key",
+                    *input.solver.ghost_factor, ghost));
+  const auto is_implicit = [](const Stage& stage)
+  { return stage.rigid_bodies && stage.stepping.type != StageType::explicit_; };
+  if (ghost > 0. && ghost < weakest_ghost && std::any_of(input.stages.begin(), input.stages.end(), is_implicit))
+    warnings.push_back(
+        fmt::format("\"ghost factor\" {:.3g} is only {:.2g} over the square of the finest cells: soil that flows "
+                    "takes more iterations and cut steps; leave the key out for 0.02 over it",
                     *input.solver.ghost_factor, ghost));
   const unsigned int points = input.material_points.points_per_axis;
   if (points == 1)
