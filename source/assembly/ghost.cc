@@ -83,13 +83,58 @@ void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, c
           double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
           for (unsigned int b = 0; b < n; ++b)
           {
-            const std::size_t position = find_entry(row_begin, column, node[a], node[b]) - begin;
+            const std::size_t position = find_entry_or_diagonal(row_begin, column, node[a], node[b]) - begin;
             for (int c = 0; c < dim; ++c)
               for (int d = 0; d < dim; ++d)
                 add_to(row[dim * (c * length + position) + d],
                        (c == d ? response.secant * J[a * n + b] : 0.) -
                            response.softening * response.pull[a][c] * response.pull[b][d]);
           }
+        }
+      });
+}
+
+template <int dim> LinearisedGhost linearise_ghost(const GhostFaces& faces, const View<double*>& increment)
+{
+  const LinearisedGhost derivative{View<double*>("pull", dim * faces.nodes.extent(0)),
+                                   View<double*>("secant", faces.n_faces()),
+                                   View<double*>("softening", faces.n_faces())};
+  Kokkos::parallel_for(
+      "linearise ghost", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        FaceResponse<dim> response;
+        find_response(faces, f, increment, response);
+        derivative.secant(f) = response.secant;
+        derivative.softening(f) = response.softening;
+        const unsigned int first = faces.node_begin(f), n = faces.node_begin(f + 1) - first;
+        for (unsigned int a = 0; a < n; ++a)
+          for (int c = 0; c < dim; ++c)
+            derivative.pull(dim * (first + a) + c) = response.pull[a][c];
+      });
+  return derivative;
+}
+
+template <int dim>
+void add_linearised_ghost(const GhostFaces& faces, const LinearisedGhost& derivative, const View<double*>& direction,
+                          const View<double*>& force)
+{
+  Kokkos::parallel_for(
+      "ghost product", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
+        const auto [n, node, J] = matrix_of(faces, f);
+        const double* pull = &derivative.pull(dim * faces.node_begin(f));
+        double along = 0.;
+        for (unsigned int a = 0; a < n; ++a)
+          for (int c = 0; c < dim; ++c)
+            along += pull[dim * a + c] * direction(static_cast<std::size_t>(dim) * node[a] + c);
+        along *= derivative.softening(f);
+        for (unsigned int a = 0; a < n; ++a)
+        {
+          double sum[dim] = {};
+          for (unsigned int b = 0; b < n; ++b)
+            for (int c = 0; c < dim; ++c)
+              sum[c] += J[a * n + b] * direction(static_cast<std::size_t>(dim) * node[b] + c);
+          for (int c = 0; c < dim; ++c)
+            add_to(force(static_cast<std::size_t>(dim) * node[a] + c),
+                   derivative.secant(f) * sum[c] - along * pull[dim * a + c]);
         }
       });
 }
@@ -111,4 +156,10 @@ template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const 
 template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&);
 template void add_ghost_matrix<2>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
 template void add_ghost_matrix<3>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
+template LinearisedGhost linearise_ghost<2>(const GhostFaces&, const View<double*>&);
+template LinearisedGhost linearise_ghost<3>(const GhostFaces&, const View<double*>&);
+template void add_linearised_ghost<2>(const GhostFaces&, const LinearisedGhost&, const View<double*>&,
+                                      const View<double*>&);
+template void add_linearised_ghost<3>(const GhostFaces&, const LinearisedGhost&, const View<double*>&,
+                                      const View<double*>&);
 } // namespace kedge

@@ -1,6 +1,7 @@
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/assembly/kernels.h>
+#include <kedge/assembly/nodal_operator.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/solvers/linear_solver.h>
 
@@ -13,11 +14,30 @@ constexpr double projection_tolerance = 1e-12;
 /// What will do where round-off allows no more: far below what a step is solved to.
 constexpr double loosest_projection = 1e-8;
 
-double relative_residual(const TpetraMatrix& matrix, const TpetraVector& right_side, const TpetraVector& solution)
+double relative_residual(const TpetraOperator& product, const TpetraVector& right_side, const TpetraVector& solution)
 {
   TpetraVector residual(right_side, Teuchos::Copy);
-  matrix.apply(solution, residual, Teuchos::NO_TRANS, -1., 1.);
+  product.apply(solution, residual, Teuchos::NO_TRANS, -1., 1.);
   return residual.norm2() / right_side.norm2();
+}
+
+/// Of the owned dofs; constrained ones have 1.
+TpetraVector diagonal_of(const NodeGraph& graph, const NodalMass& mass, const System& system)
+{
+  const NodalVector local = system.make_nodal_vector();
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  const unsigned int dim = graph.dim;
+  Kokkos::parallel_for(
+      "mass diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        for (unsigned int c = 0; c < dim; ++c)
+          local(static_cast<std::size_t>(dim) * row + c) = mass(find_entry(row_begin, column, row, row));
+      });
+  TpetraVector diagonal(system.graph().row_map), ones(system.graph().row_map);
+  ones.putScalar(1.);
+  system.collect(local, diagonal);
+  system.keep_constrained(ones, diagonal);
+  return diagonal;
 }
 } // namespace
 
@@ -69,17 +89,22 @@ void add_mass_times(const NodeGraph& graph, const NodalMass& mass, const double 
       });
 }
 
-void add_mass_matrix(const NodeGraph& graph, const NodalMass& mass, const double factor, const View<double*>& values)
+void add_mass_matrix(const NodeGraph& mass_graph, const NodalMass& mass, const double factor, const NodeGraph& graph,
+                     const View<double*>& values)
 {
-  const auto row_begin = graph.row_begin;
+  const auto mass_begin = mass_graph.row_begin, row_begin = graph.row_begin;
+  const auto mass_column = mass_graph.column, column = graph.column;
   const unsigned int dim = graph.dim;
   Kokkos::parallel_for(
       "mass matrix", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
         const std::size_t begin = row_begin(row), length = row_begin(row + 1) - begin;
         double* block_row = &values(std::size_t(dim) * dim * begin);
-        for (std::size_t k = 0; k < length; ++k)
+        for (std::size_t k = mass_begin(row); k < mass_begin(row + 1); ++k)
+        {
+          const std::size_t position = find_entry_or_diagonal(row_begin, column, row, mass_column(k)) - begin;
           for (unsigned int c = 0; c < dim; ++c)
-            block_row[dim * (c * length + k) + c] += factor * mass(begin + k);
+            block_row[dim * (c * length + position) + c] += factor * mass(k);
+        }
       });
 }
 
@@ -94,19 +119,16 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
       });
 }
 
-void set_mass_matrix(const NodalMass& mass, System& system)
-{
-  system.clear_matrix();
-  add_mass_matrix(system.graph(), mass, 1., system.values());
-  system.finish_matrix();
-}
-
-NodalVector divide_by_mass(TpetraVector& right_side, const System& system)
+NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                           const System& system)
 {
   system.zero_constrained(right_side);
   TpetraVector solution(system.graph().row_map);
-  if (!solve_positive_definite(system.matrix(), right_side, solution, projection_tolerance) &&
-      !(relative_residual(*system.matrix(), right_side, solution) < loosest_projection))
+  const auto product = Teuchos::rcp(
+      new NodalOperator(system, [&](const NodalVector& x, const NodalVector& y) { add_mass_times(graph, mass, 1., x, y); }));
+  if (!solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution,
+                               projection_tolerance) &&
+      !(relative_residual(*product, right_side, solution) < loosest_projection))
     throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
                       "conditioned; increase \"ghost factor mass\" or set \"mass\": \"lumped\"",
                       {});
@@ -114,23 +136,21 @@ NodalVector divide_by_mass(TpetraVector& right_side, const System& system)
 }
 
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
-                           const bool lumped, System& system)
+                           const bool lumped, const NodeGraph& graph, const System& system)
 {
-  const NodeGraph& graph = system.graph();
   NodalMotion motion;
   motion.mass = NodalMass("nodal mass", graph.column.extent(0));
   add_particle_mass(particles, stencils, lumped, graph, motion.mass);
   if (faces.n_faces() > 0)
     add_ghost_mass(faces, graph, motion.mass);
 
-  set_mass_matrix(motion.mass, system);
   const auto project = [&](const View<double* [3]>& quantity)
   {
     const NodalVector momentum = system.make_nodal_vector();
     add_particle_momentum(particles, stencils, quantity, momentum);
-    TpetraVector right_side(graph.row_map);
+    TpetraVector right_side(system.graph().row_map);
     system.collect(momentum, right_side);
-    return divide_by_mass(right_side, system);
+    return divide_by_mass(right_side, graph, motion.mass, system);
   };
   motion.velocity = project(particles.velocity);
   motion.acceleration = project(particles.acceleration);

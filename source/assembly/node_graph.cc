@@ -61,6 +61,31 @@ Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>
   return rows;
 }
 
+NodeGraph start_graph(const unsigned int dim, const NodeNumbering& numbering)
+{
+  NodeGraph graph;
+  graph.dim = dim;
+  graph.communicator = numbering.communicator;
+  graph.n_owned = numbering.n_owned;
+  graph.n_rows = numbering.global.size();
+  return graph;
+}
+
+/// Returns the begin of each row.
+std::vector<std::size_t> upload_rows(const Rows& rows, NodeGraph& graph)
+{
+  std::vector<std::size_t> begin(graph.n_rows + 1, 0);
+  for (unsigned int v = 0; v < graph.n_rows; ++v)
+    begin[v + 1] = begin[v] + rows[v].size();
+  graph.row_begin = upload(begin, "row begin");
+  graph.column = View<unsigned int*>("columns", begin.back());
+  const auto host_column = Kokkos::create_mirror_view(graph.column);
+  for (unsigned int v = 0; v < graph.n_rows; ++v)
+    std::copy(rows[v].begin(), rows[v].end(), host_column.data() + begin[v]);
+  Kokkos::deep_copy(graph.column, host_column);
+  return begin;
+}
+
 /// A ghost row, after its owner has received it.
 struct ReceivedRow
 {
@@ -182,37 +207,29 @@ Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim, const std::ve
                                     Tpetra::getDefaultComm()));
 }
 
+NodeGraph build_local_graph(const unsigned int dim, const NodeNumbering& numbering,
+                            const std::vector<NodeLists>& couplings)
+{
+  NodeGraph graph = start_graph(dim, numbering);
+  graph.n_columns = graph.n_rows;
+  upload_rows(couple_local_nodes(graph.n_rows, couplings), graph);
+  return graph;
+}
+
 NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numbering,
                            const std::vector<NodeLists>& couplings)
 {
-  NodeGraph graph;
-  graph.dim = dim;
-  graph.communicator = numbering.communicator;
-  graph.n_owned = numbering.n_owned;
-  graph.n_rows = numbering.global.size();
-
+  NodeGraph graph = start_graph(dim, numbering);
   Rows rows = couple_local_nodes(graph.n_rows, couplings);
   std::vector<long long> column_global = numbering.global;
   const auto received = exchange_ghost_rows(numbering, rows, column_global);
   graph.n_columns = column_global.size();
 
   // Rows of ghosts lie behind the owned ones, grouped by owner, so each rank's message is one range.
-  std::vector<std::size_t> begin(graph.n_rows + 1, 0);
-  for (unsigned int v = 0; v < graph.n_rows; ++v)
-    begin[v + 1] = begin[v] + rows[v].size();
+  const std::vector<std::size_t> begin = upload_rows(rows, graph);
   for (const unsigned int v : numbering.ghost_begin)
     graph.send_begin.push_back(begin[v]);
   fill_targets(graph, rows, begin, received);
-
-  graph.row_begin = View<std::size_t*>("row begin", graph.n_rows + 1);
-  graph.column = View<unsigned int*>("columns", begin.back());
-  auto host_begin = Kokkos::create_mirror_view(graph.row_begin);
-  auto host_column = Kokkos::create_mirror_view(graph.column);
-  std::copy(begin.begin(), begin.end(), host_begin.data());
-  for (unsigned int v = 0; v < graph.n_rows; ++v)
-    std::copy(rows[v].begin(), rows[v].end(), host_column.data() + begin[v]);
-  Kokkos::deep_copy(graph.row_begin, host_begin);
-  Kokkos::deep_copy(graph.column, host_column);
 
   graph.row_map = make_dof_map(dim, column_global, graph.n_owned);
   graph.column_map = make_dof_map(dim, column_global, graph.n_columns);

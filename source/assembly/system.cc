@@ -47,6 +47,18 @@ void System::zero_constrained(TpetraVector& owned) const
       });
 }
 
+void System::keep_constrained(const TpetraVector& from, TpetraVector& result) const
+{
+  const auto kept = Kokkos::subview(from.getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL(), 0);
+  const auto view = Kokkos::subview(result.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
+  const auto column = constrained_column;
+  Kokkos::parallel_for(
+      "keep constrained", Kokkos::RangePolicy<ExecutionSpace>(0, view.extent(0)), KOKKOS_LAMBDA(const std::size_t dof) {
+        if (column(dof))
+          view(dof) = kept(dof);
+      });
+}
+
 void System::clear_matrix() { Kokkos::deep_copy(all_values, 0.); }
 
 void System::finish_matrix()
@@ -115,10 +127,15 @@ void add_point_tangents(const PointForces& points, const double sign, const Node
     {
       const std::size_t begin = row_begin(points.nodes[a]), end = row_begin(points.nodes[a] + 1);
       double* row = host.data() + std::size_t(dim) * dim * begin;
+      const auto find_position = [&](const unsigned int node, const unsigned int otherwise)
+      {
+        const unsigned int *first = column.data() + begin, *last = column.data() + end;
+        const unsigned int* at = std::lower_bound(first, last, node);
+        return (at != last && *at == node ? at : std::lower_bound(first, last, otherwise)) - first;
+      };
       for (unsigned int b = points.begin[i]; b < points.begin[i + 1]; ++b)
       {
-        const std::size_t position =
-            std::lower_bound(column.data() + begin, column.data() + end, points.nodes[b]) - (column.data() + begin);
+        const std::size_t position = find_position(points.nodes[b], points.nodes[a]);
         const double factor = sign * points.weights[a] * points.weights[b];
         for (unsigned int c = 0; c < dim; ++c)
           for (unsigned int e = 0; e < dim; ++e)

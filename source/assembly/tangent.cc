@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/kernels.h>
-#include <kedge/assembly/volume_average.h>
+#include <kedge/assembly/point_tangents.h>
 
 namespace kedge
 {
@@ -26,17 +25,13 @@ KEDGE_FUNCTION constexpr unsigned int round_up(const unsigned int n, const unsig
 /// once.
 template <int dim> struct TangentKernel
 {
-  ParticleArrays particles;
-  StencilSet stencils;
-  Materials materials;
+  PointTangents<dim> points;
   NodalVector increment;
   View<std::size_t*> row_begin;
   View<unsigned int*> column;
   View<double*> values;
   unsigned int chunk;
-  CellGroups cells;      ///< empty without F-bar
-  DilationModuli moduli; ///< and so these
-  double elastic_share;
+  DilationModuli moduli; ///< empty without F-bar
 
   static constexpr unsigned int rows = dim * dim; // (j, i) pairs of the contracted moduli
 
@@ -45,20 +40,14 @@ template <int dim> struct TangentKernel
   KEDGE_FUNCTION void contract(const unsigned int p, const unsigned int n, const unsigned int width, double* contracted,
                                double* spatial_gradient) const
   {
-    const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-    SymmetricTensor b;
-    for (int i = 0; i < 6; ++i)
-      b[i] = particles.elastic_left_cauchy_green(p, i);
+    const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
     SpatialTangent tangent;
-    double next_state[Laws::max_state]; // not needed here
-    const StressUpdate update = update_stress(stretch<dim>(dF, cells.volume_factor, p), b,
-                                              {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
-                                              materials(particles.layer(p)), next_state, tangent, elastic_share);
-    if (!cells.empty())
-      share_dilation(p, determinant(dF), update.stress, tangent);
-    const double volume = integration_volume(particles, stencils, p);
+    const PointDilation dilation = points.evaluate(p, dF, tangent);
+    if (!points.cells.empty())
+      moduli.set(p, dilation);
+    const double volume = integration_volume(points.particles, points.stencils, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
-    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    const double* gradient = &points.stencils.gradient(dim * points.stencils.value_begin(p));
     for (unsigned int row = 0; row < rows; ++row)
       for (unsigned int c = dim * n; c < width; ++c)
         contracted[row * width + c] = 0.;
@@ -84,55 +73,10 @@ template <int dim> struct TangentKernel
     }
   }
 
-  /// With F-bar the particle's volume change J* is what brings it to the pressure of its cell, pi, which acts on the
-  /// nodes as J pi. With the moduli of the stress alone, c_ijkl = a_ijkl + tau_il delta_jk, q_ij = sum_m c_ijmm / dim,
-  /// t = sum_i q_ii / dim, m_kl = sum_i c_iikl / dim - t delta_kl, p the mean stress and k = t - p + J* spring, the
-  /// particle's part at a held pi is
-  ///   a_ijkl - q_ij delta_kl - ((q_ij - t delta_ij) / k + delta_ij) m_kl + J pi delta_ij delta_kl - s delta_il
-  ///   delta_jk, s = J pi - p.
-  /// The rest belongs to the cell.
-  KEDGE_FUNCTION void share_dilation(const unsigned int p, const double J, const SymmetricTensor& stress,
-                                     SpatialTangent& tangent) const
-  {
-    const Eigen::Matrix3d tau = full_matrix(stress);
-    double q[dim][dim], m[dim][dim], t = 0.;
-    for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j)
-      {
-        q[i][j] = m[i][j] = tau(i, j) / dim;
-        for (int k = 0; k < dim; ++k)
-        {
-          q[i][j] += tangent(i, j, k, k) / dim;
-          m[i][j] += tangent(k, k, i, j) / dim;
-        }
-      }
-    for (int i = 0; i < dim; ++i)
-      t += q[i][i] / dim;
-    const double mean = mean_stress<dim>(stress), acting = J * cells.pressure(p);
-    const double shared = J * std::pow(cells.volume_factor(p), dim); // J*
-    const double compliance = 1. / (std::fmax(t - mean, 0.) + shared * cells.spring(p));
-    for (int i = 0; i < dim; ++i)
-      m[i][i] -= t;
-    for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j)
-      {
-        const double same = i == j ? 1. : 0., flow = compliance * (q[i][j] - same * t);
-        for (int k = 0; k < dim; ++k)
-        {
-          for (int l = 0; l < dim; ++l)
-            tangent(i, j, k, l) -= (flow + same) * m[k][l];
-          tangent(i, j, k, k) += same * acting - q[i][j];
-        }
-        tangent(i, j, j, i) -= acting - mean;
-        moduli.stress(p, 3 * i + j) = shared * flow + same * J;
-        moduli.volume(p, 3 * i + j) = same * J + shared * compliance * m[i][j];
-      }
-    moduli.compliance(p) = shared * shared * compliance;
-  }
-
   KEDGE_FUNCTION void operator()(const Member& team) const
   {
     const unsigned int pattern = team.league_rank();
+    const StencilSet& stencils = points.stencils;
     const unsigned int first_node = stencils.pattern_node_begin(pattern);
     const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first_node;
     const unsigned int width = round_up(dim * n, column_block), n_padded = round_up(n, node_block);
@@ -225,8 +169,8 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
   const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
   const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
                               View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
-  const TangentKernel<dim> kernel{particles, stencils, materials, increment, graph.row_begin, graph.column,
-                                  values,    chunk,    cells,     moduli,    elastic_share};
+  const TangentKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share}, increment, graph.row_begin,
+                                  graph.column, values, chunk, moduli};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),

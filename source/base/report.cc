@@ -123,13 +123,16 @@ void Report::close_line()
 }
 
 Timings::Scope::Scope(Timings& timings_, const char* phase_)
-    : timings(timings_), phase(phase_), start(std::chrono::steady_clock::now())
+    : timings(timings_), phase(phase_), start(std::chrono::steady_clock::now()), within_others(timings.within)
 {
+  timings.within = 0.;
 }
 
 Timings::Scope::~Scope()
 {
-  timings.totals[phase] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  timings.totals[phase] += elapsed - timings.within;
+  timings.within = within_others + elapsed;
 }
 
 double peak_memory()

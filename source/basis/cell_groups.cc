@@ -32,4 +32,15 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
           View<double*>("cell pressure", n),
           View<double*>("spring", n)};
 }
+
+std::vector<int> groups_of_leaves(const CellGroups& cells, const std::vector<unsigned int>& leaf_of_particle,
+                                  const std::size_t n_leaves)
+{
+  std::vector<int> group(n_leaves, -1);
+  const std::vector<unsigned int> begin = download(cells.particle_begin);
+  for (std::size_t c = 0; c < cells.n_cells(); ++c)
+    if (begin[c + 1] - begin[c] > 1)
+      group[leaf_of_particle[begin[c]]] = c;
+  return group;
+}
 } // namespace kedge

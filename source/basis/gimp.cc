@@ -164,11 +164,26 @@ const std::vector<NodeShare<dim>>& BoxAverage<dim>::average(const std::vector<Ce
 }
 
 template <int dim>
+void BoxAverage<dim>::append_to(BoxParts<dim>& parts, const std::vector<CellCorrection<dim>>& corrections) const
+{
+  for (const Overlap& overlap : overlaps)
+  {
+    const CellCorrection<dim> correction = corrections.empty() ? CellCorrection<dim>() : corrections[overlap.leaf];
+    parts.leaf.push_back(overlap.leaf);
+    parts.weight.push_back(overlap.fraction * correction.scale);
+    parts.place.push_back(correction.corrected(middle_of(overlap)));
+  }
+  parts.begin.push_back(parts.leaf.size());
+}
+
+template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
                             const std::vector<unsigned int>& leaf_of_particle, const bool point_basis,
-                            const std::vector<CellCorrection<dim>>& corrections)
+                            const std::vector<CellCorrection<dim>>& corrections, BoxParts<dim>* parts)
 {
+  if (parts != nullptr)
+    parts->begin.assign(1, 0);
   const std::size_t n = centre.size();
   HostStencils stencils;
   stencils.pattern_of_particle.resize(n);
@@ -197,6 +212,8 @@ HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::
                         " m; a larger domain or smaller steps help");
     const std::vector<NodeShare<dim>>& shares = box.average(corrections);
     stencils.volume_factor.push_back(box.volume_factor());
+    if (parts != nullptr)
+      box.append_to(*parts, corrections);
 
     // Boxes that overlap the same leaves have the same nodes: find their pattern, or add it.
     std::size_t k = 0;
@@ -282,6 +299,7 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   set.pattern_of_particle = upload(host.pattern_of_particle, "pattern of particle");
   set.value_begin = upload(host.value_begin, "value begin");
   set.value = upload(host.value, "S");
+  host.gradient.push_back(0.); // kernels read whole SIMD registers
   set.gradient = upload(host.gradient, "grad S");
   set.volume_factor = upload(host.volume_factor, "volume factor");
   return set;
@@ -295,10 +313,10 @@ template class BoxAverage<2>;
 template class BoxAverage<3>;
 template HostStencils build_stencils<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
                                         const std::vector<std::array<double, 2>>&, const std::vector<unsigned int>&,
-                                        bool, const std::vector<CellCorrection<2>>&);
+                                        bool, const std::vector<CellCorrection<2>>&, BoxParts<2>*);
 template HostStencils build_stencils<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
                                         const std::vector<std::array<double, 3>>&, const std::vector<unsigned int>&,
-                                        bool, const std::vector<CellCorrection<3>>&);
+                                        bool, const std::vector<CellCorrection<3>>&, BoxParts<3>*);
 template StencilSet upload_stencils<2>(HostStencils&&, const std::vector<unsigned int>&);
 template StencilSet upload_stencils<3>(HostStencils&&, const std::vector<unsigned int>&);
 } // namespace kedge

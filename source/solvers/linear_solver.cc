@@ -1,21 +1,19 @@
 #include <BelosBlockGmresSolMgr.hpp>
 #include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
-#include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <cmath>
 #include <kedge/solvers/direct.h>
 #include <kedge/solvers/linear_solver.h>
-#include <kedge/solvers/near_matrix.h>
+#include <kedge/solvers/multigrid.h>
 #include <kedge/solvers/scaled_factors.h>
 
 namespace kedge
 {
 namespace
 {
-using Operator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
+using Operator = TpetraOperator;
 using MultiVector = TpetraMultiVector;
-using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
 /// Below this number of dofs a factorisation is faster than setting up a hierarchy.
 constexpr std::size_t always_direct_below = 2000;
@@ -23,53 +21,15 @@ constexpr std::size_t always_direct_below = 2000;
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 /// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
 constexpr double almost_zero = 1e-10;
+constexpr double least_diagonal = 0.1; // as a share of the other entries of the row
 constexpr unsigned int worth_a_rebuild = 9; // iterations that cost about as much as a new hierarchy
 constexpr double forgetting = 0.9;          // factor on the expected waste per solve with a new hierarchy
 
-Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
-{
-  Teuchos::ParameterList list;
-  list.set("verbosity", "none");
-  list.set("number of equations", static_cast<int>(block_size));
-  // Measured on yielding sand and on an elastic cube of 100 000 dofs: smoothing the prolongators saves hardly an
-  // iteration but makes set-up 2.5 times dearer. Smoother sweeps before the coarse correction save an eighth of the
-  // iterations but make each 1.5 times dearer.
-  list.set("multigrid algorithm", strong ? "sa" : "unsmoothed");
-  list.set("smoother: pre or post", strong ? "both" : "post");
-  list.set("aggregation: type", "uncoupled");
-  list.set("aggregation: drop tol", 0.0);
-  list.set("coarse: max size", parallel ? 300 : 1000);
-  if (parallel) // KLU2 of Trilinos 13 gives wrong results for matrices on several ranks, also for symmetric ones
-  {
-    list.set("coarse: type", "RELAXATION");
-    Teuchos::ParameterList& coarse = list.sublist("coarse: params");
-    coarse.set("relaxation: type", "Symmetric Gauss-Seidel");
-    coarse.set("relaxation: sweeps", 8);
-  }
-  else
-    list.set("coarse: type", "KLU2");
-  // A node outside all aggregates has fewer unknowns than modes, which leaves empty rows in the coarse matrix.
-  list.set("rap: fix zero diagonals", true);
-  list.set("max levels", 6);
-  list.set("reuse: type", "none"); // other types of Trilinos 13 fail if the pattern of a coarse matrix changes
-  list.set("smoother: type", "RELAXATION");
-  Teuchos::ParameterList& smoother = list.sublist("smoother: params");
-  smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
-  smoother.set("relaxation: sweeps",
-               strong ? 4 : 1); // two save an eighth of the iterations, but each is a third dearer
-  return list;
-}
-
-/// Division by the diagonal of a matrix.
+/// Division by a diagonal.
 class Jacobi : public Operator
 {
 public:
-  explicit Jacobi(const TpetraMatrix& matrix) : inverse(matrix.getRowMap())
-  {
-    TpetraVector diagonal(matrix.getRowMap());
-    matrix.getLocalDiagCopy(diagonal);
-    inverse.reciprocal(diagonal);
-  }
+  explicit Jacobi(const TpetraVector& diagonal) : inverse(diagonal.getMap()) { inverse.reciprocal(diagonal); }
   Teuchos::RCP<const TpetraMap> getDomainMap() const override { return inverse.getMap(); }
   Teuchos::RCP<const TpetraMap> getRangeMap() const override { return inverse.getMap(); }
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override
@@ -124,25 +84,18 @@ struct LinearSolver::Implementation
 {
   SolverParameters parameters;
   unsigned int block_size;
-  Teuchos::RCP<TpetraMatrix> matrix;
-  Teuchos::RCP<MultiVector> near_null_space;
-  std::unique_ptr<NearMatrix> near; ///< the hierarchy is built from it if the places of the nodes are known
-  Teuchos::RCP<Hierarchy> hierarchy;
-  Teuchos::RCP<const Operator> eliminated; ///< replaces the matrix in GMRES while there is a border
+  LinearSystem system;
+  Teuchos::RCP<Multigrid> hierarchy;
+  Teuchos::RCP<const Operator> eliminated; ///< replaces the product in GMRES while there is a border
   bool strong_hierarchy = false;
   double fresh_rate = 0.;     ///< iterations per e-fold of the residual when the present hierarchy was new
   double expected_waste = 0.; ///< iterations that the next solve takes more with this hierarchy than with a new one
 
+  std::size_t n_equations() const { return system.product->getRangeMap()->getGlobalNumElements(); }
+
   bool affords_direct() const
   {
-    return matrix->getGlobalNumRows() < (block_size == 2 ? never_direct_above_2d : never_direct_above_3d);
-  }
-
-  bool prefers_direct() const
-  {
-    return parameters.linear_solver == LinearSolverChoice::direct ||
-           (parameters.linear_solver == LinearSolverChoice::automatic &&
-            matrix->getGlobalNumRows() < always_direct_below);
+    return n_equations() < (block_size == 2 ? never_direct_above_2d : never_direct_above_3d);
   }
 
   /// False if a new hierarchy is cheaper: where soil yields, a hierarchy is outdated after one Newton iteration.
@@ -151,23 +104,11 @@ struct LinearSolver::Implementation
     return !hierarchy.is_null() && parameters.reuse && !strong_hierarchy && expected_waste < worth_a_rebuild;
   }
 
-  /// Returns false if MueLu finds no hierarchy.
+  /// Returns false if there is none.
   bool build_hierarchy(const bool strong)
   {
-    if (near)
-      near->update();
-    const Teuchos::RCP<TpetraMatrix> from = near ? near->matrix() : matrix;
-    Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, matrix->getComm()->getSize() > 1);
-    list.sublist("user data").set("Nullspace", near_null_space);
-    const Teuchos::RCP<Operator> as_operator = from;
-    hierarchy = Teuchos::null;
-    try
-    {
-      hierarchy = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
-    }
-    catch (const std::exception&) // MueLu throws if it finds none
-    {
-    }
+    hierarchy = Teuchos::null; // its memory first
+    hierarchy = Multigrid::build(system.near(), system.near_null_space, block_size, strong);
     strong_hierarchy = strong;
     return !hierarchy.is_null();
   }
@@ -184,7 +125,7 @@ struct LinearSolver::Implementation
     Tpetra::deep_copy(*right_sides.getVectorNonConst(0), b);
     for (std::size_t i = 0; i < n; ++i)
       Tpetra::deep_copy(*right_sides.getVectorNonConst(i + 1), *border.columns->getVector(i));
-    report.converged = solve_directly(*matrix, right_sides, solutions);
+    report.converged = solve_directly(*system.whole(), right_sides, solutions);
     Tpetra::deep_copy(x, *solutions.getVector(0));
     if (n == 0 || !report.converged)
       return report;
@@ -207,10 +148,8 @@ struct LinearSolver::Implementation
                             const unsigned int max_iterations) const
   {
     x.putScalar(0.);
-    const Teuchos::RCP<const Operator> system =
-        eliminated.is_null() ? Teuchos::rcp_implicit_cast<const Operator>(matrix) : eliminated;
     auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
-        system, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
+        eliminated.is_null() ? system.product : eliminated, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
     problem->setRightPrec(hierarchy);
     problem->setProblem();
     const auto list = Teuchos::parameterList();
@@ -279,18 +218,24 @@ LinearSolver::LinearSolver(const SolverParameters& parameters, const unsigned in
 
 LinearSolver::~LinearSolver() = default;
 
-void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
-                                 const Teuchos::RCP<TpetraMultiVector>& near_null_space, const NodePlaces& places)
+void LinearSolver::set_structure(const LinearSystem& system)
 {
-  implementation->matrix = matrix;
-  implementation->near_null_space = near_null_space;
+  implementation->system = system;
   implementation->hierarchy = Teuchos::null;
-  implementation->near.reset();
-  const int here = !places.position.empty(); // a rank may own no nodes
-  int anywhere = 0;
-  Teuchos::reduceAll(*matrix->getComm(), Teuchos::REDUCE_MAX, 1, &here, &anywhere);
-  if (anywhere && !implementation->prefers_direct())
-    implementation->near = std::make_unique<NearMatrix>(matrix, implementation->block_size, places);
+}
+
+void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
+                                 const Teuchos::RCP<TpetraMultiVector>& near_null_space)
+{
+  const auto itself = [matrix] { return matrix; };
+  set_structure({matrix, near_null_space, itself, itself});
+}
+
+bool LinearSolver::prefers_direct(const std::size_t n_equations) const
+{
+  const LinearSolverChoice choice = implementation->parameters.linear_solver;
+  return choice == LinearSolverChoice::direct ||
+         (choice == LinearSolverChoice::automatic && n_equations < always_direct_below);
 }
 
 LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x, const double relative_tolerance)
@@ -304,7 +249,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
                                  const double relative_tolerance)
 {
   Implementation& solver = *implementation;
-  if (solver.prefers_direct())
+  if (prefers_direct(solver.n_equations()))
     return solver.solve_direct(right_side, border_right_side, border, x, y);
 
   LinearReport report;
@@ -318,7 +263,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
       return report;
     TpetraVector reduced(right_side, Teuchos::Copy);
     add_columns(border, -1., corner.solve(border_right_side), reduced);
-    solver.eliminated = Teuchos::rcp(new Eliminated(solver.matrix, border, corner));
+    solver.eliminated = Teuchos::rcp(new Eliminated(solver.system.product, border, corner));
     report = solver.solve_iteratively(reduced, x, relative_tolerance);
     solver.eliminated = Teuchos::null;
     y = corner.solve(border_right_side - multiply_rows(border, x));
@@ -334,15 +279,15 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
   return report;
 }
 
-bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& right_side,
-                             TpetraVector& x, const double relative_tolerance)
+bool solve_positive_definite(const Teuchos::RCP<const TpetraOperator>& product, const TpetraVector& diagonal,
+                             const TpetraVector& right_side, TpetraVector& x, const double relative_tolerance)
 {
   x.putScalar(0.);
   if (right_side.normInf() == 0.)
     return true;
   auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
-      matrix, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(right_side)));
-  problem->setLeftPrec(Teuchos::rcp(new Jacobi(*matrix)));
+      product, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(right_side)));
+  problem->setLeftPrec(Teuchos::rcp(new Jacobi(diagonal)));
   problem->setProblem();
   const auto list = Teuchos::parameterList();
   list->set("Maximum Iterations", 2000);
@@ -357,6 +302,23 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, con
   {
     return false;
   }
+}
+
+void bound_diagonal(TpetraMatrix& matrix)
+{
+  const auto local = matrix.getLocalMatrixDevice();
+  Kokkos::parallel_for(
+      "bound diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()), KOKKOS_LAMBDA(const std::size_t row) {
+        std::size_t at_diagonal = local.graph.row_map(row);
+        double others = 0.;
+        for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
+          if (static_cast<std::size_t>(local.graph.entries(k)) == row)
+            at_diagonal = k;
+          else
+            others += std::fabs(local.values(k));
+        if (local.values(at_diagonal) < least_diagonal * others)
+          local.values(at_diagonal) = least_diagonal * others;
+      });
 }
 
 Teuchos::RCP<TpetraMultiVector> make_rigid_body_modes(const Teuchos::RCP<const TpetraMap>& map, const unsigned int dim,

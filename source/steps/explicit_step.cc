@@ -24,7 +24,7 @@ double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; 
 template <int dim>
 ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
     : context(context_),
-      basis(make_step_basis(context, {})),
+      basis(make_step_basis(context, {}, false)),
       exchange(dim, numbering_of(basis.nodes)),
       node_exchange(1, numbering_of(basis.nodes))
 {

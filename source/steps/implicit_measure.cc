@@ -27,7 +27,7 @@ template <int dim> void ImplicitStep<dim>::renew_force_measure()
   if (load.newmark.is_dynamic())
   {
     const NodalVector inertia = system->make_nodal_vector();
-    add_inertia_force(system->graph(), motion, load.newmark, local_increment, inertia);
+    add_inertia_force(mass_graph, motion, load.newmark, local_increment, inertia);
     add_force_sizes(dim, inertia, sizes);
   }
   TpetraVector owned(system->graph().row_map);

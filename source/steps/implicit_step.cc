@@ -11,8 +11,6 @@ namespace kedge
 namespace
 {
 constexpr unsigned int max_augmentations = 20;
-/// Weights of the bodies per particle size: springs that hold free bodies under the full damping of Newton's method.
-constexpr double holding_springs = 100.;
 
 /// One solution after another of the same step.
 void append(NewtonReport& report, const NewtonReport& next)
@@ -36,7 +34,7 @@ double next_augmentation(const double factor, const double left)
 template <int dim>
 ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
     : context(context_),
-      basis(make_step_basis(context, ghost_factors(context.solver))),
+      basis(make_step_basis(context, ghost_factors(context.solver), true)),
       linear_solver(context_.solver, dim)
 {
   if (context.stage.rigid_bodies)
@@ -45,18 +43,7 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
     replace_soil(context, basis);
 
   const auto scope = context.timings.measure("sparsity");
-  const std::vector<unsigned char> constrained = find_constrained_dofs(context, basis.nodes);
-  std::vector<NodeLists> couplings{basis.cells.empty()
-                                       ? NodeLists{basis.stencils.pattern_node_begin, basis.stencils.pattern_nodes}
-                                       : NodeLists{basis.cells.node_begin, basis.cells.nodes}};
-  if (basis.ghost_faces.n_faces() > 0)
-    couplings.push_back({basis.ghost_faces.node_begin, basis.ghost_faces.nodes});
-  system = std::make_unique<System>(dim, numbering_of(basis.nodes), couplings, constrained);
-
-  const NodePlaces places = find_node_places();
-  linear_solver.set_structure(
-      system->matrix(), make_rigid_body_modes(system->graph().row_map, dim, places.position, constrained), places);
-
+  set_up_systems(find_constrained_dofs(context, basis.nodes));
   rigid_unknowns = std::make_unique<RigidUnknowns>(context.bodies, context.stage.rigid_bodies, system->graph().row_map);
   weigh_bodies();
   increment = Teuchos::rcp(new TpetraVector(rigid_unknowns->map()));
@@ -67,11 +54,11 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   weight_norm = weight.norm2();
   given_sizes = system->make_nodal_vector();
   add_force_sizes(dim, full_weight, given_sizes);
-  force_measure = ForceMeasure(dim, basis.nodes.communicator, places.spacing);
+  force_measure = ForceMeasure(dim, basis.nodes.communicator, find_node_places().spacing);
 
   if (context.stage.stepping.type == StageType::dynamic)
     motion = project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
-                            context.stage.stepping.lumped_mass, *system);
+                            context.stage.stepping.lumped_mass, mass_graph, *system);
 }
 
 template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
@@ -223,8 +210,7 @@ template <int dim> void ImplicitStep<dim>::find_first_acceleration()
   increment->putScalar(0.);
   residual(*increment, force);
   force.scale(-1.);
-  set_mass_matrix(motion.mass, *system); // after a cut the matrix is Newton's
-  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), *system);
+  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), mass_graph, motion.mass, *system);
   load = first;
 }
 
@@ -297,7 +283,7 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   }
   add_ghost_force<dim>(basis.ghost_faces, local_increment, force);
   if (load.newmark.is_dynamic())
-    add_inertia_force(system->graph(), motion, load.newmark, local_increment, force);
+    add_inertia_force(mass_graph, motion, load.newmark, local_increment, force);
   const auto nodal_residual = rigid_unknowns->nodal(r);
   system->collect(force, *nodal_residual);
   system->zero_constrained(*nodal_residual);
@@ -313,42 +299,6 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   if (force_measure.is_zero() && !context.solver.measures_by_weight())
     renew_force_measure();
   return measure(r);
-}
-
-template <int dim>
-LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
-                                                 const NewtonSystem& how)
-{
-  // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
-  {
-    const auto scope = context.timings.measure("tangent");
-    system->clear_matrix();
-    add_tangent<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(), local_increment,
-                     system->graph(), system->values(), basis.cells, how.damping);
-    if (context.stage.rigid_bodies)
-      add_point_tangents(context.soil.contact().points_of_last_evaluation(), -1., system->graph(), system->values());
-    add_ghost_matrix<dim>(basis.ghost_faces, local_increment, system->graph(), system->values());
-    if (load.newmark.is_dynamic())
-      add_mass_matrix(system->graph(), motion.mass, load.newmark.stiffness_factor(), system->values());
-    system->finish_matrix();
-  }
-  const auto scope = context.timings.measure("linear solver");
-  Border border;
-  if (!rigid_unknowns->empty())
-  {
-    border = rigid_unknowns->border(balance, context.soil.contact().coupling(context.bodies, body_increments),
-                                    context.soil.contact().points_of_last_evaluation(), body_increments, *system);
-    if (how.damping > 0. && !load.newmark.is_dynamic()) // a body that touches nothing yet sinks until the soil holds it
-    {
-      const double particle = context.soil.mesh().layout().finest_size / context.soil.parameters().points_per_axis;
-      rigid_unknowns->hold(border, how.damping * holding_springs * body_weight / particle, body_lever);
-    }
-  }
-  Eigen::VectorXd dy;
-  const LinearReport report = linear_solver.solve(*rigid_unknowns->nodal(r), rigid_unknowns->rigid(r), border,
-                                                  *rigid_unknowns->nodal(dx), dy, how.tolerance);
-  rigid_unknowns->set_rigid(dx, dy);
-  return report;
 }
 
 template <int dim> void ImplicitStep<dim>::move_bodies(RigidSystems& committed) const

@@ -77,7 +77,8 @@ GhostFactors ghost_factors(const SolverParameters& solver)
           solver.ghost_factor ? 0. : automatic_ghost_strength};
 }
 
-template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors)
+template <int dim>
+StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors, const bool with_elements)
 {
   const auto scope = context.timings.measure("basis");
   const ParticleSet<dim>& particles = context.soil.particles();
@@ -89,8 +90,9 @@ template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, co
   const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(context) : std::vector<LeafContent>();
   const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
                                                                 : std::vector<CellCorrection<dim>>();
+  BoxParts<dim> parts;
   HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
-                                          context.basis == Basis::mpm, corrections);
+                                          context.basis == Basis::mpm, corrections, with_elements ? &parts : nullptr);
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
@@ -106,6 +108,9 @@ template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, co
   basis.stencils = upload_stencils<dim>(std::move(host), basis.nodes.number);
   if (f_bar)
     basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves<dim>(table, contents));
+  if (with_elements)
+    basis.elements = make_elements<dim>(table, parts, download(particles.arrays().initial_volume), basis.nodes.number,
+                                        groups_of_leaves(basis.cells, particles.leaves(), table.leaves.size()));
   basis.ghost_faces = upload_ghost_faces(std::move(faces), basis.nodes.number);
   return basis;
 }
@@ -177,7 +182,7 @@ std::vector<Vector6> find_reactions(const StepContext<dim>& context, const Rigid
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
-  template StepBasis make_step_basis<dim>(const StepContext<dim>&, const GhostFactors&);                               \
+  template StepBasis make_step_basis<dim>(const StepContext<dim>&, const GhostFactors&, bool);                         \
   template std::vector<unsigned char> find_constrained_dofs<dim>(const StepContext<dim>&, const ActiveNodes&);         \
   template void find_contact_pairs<dim>(const StepContext<dim>&, const ActiveNodes&, const RigidStep&);                \
   template std::vector<Vector6> find_reactions<dim>(const StepContext<dim>&, const RigidStep&,                         \

@@ -20,10 +20,25 @@ constexpr double ghost_yield_jump = 1e-3, ghost_floor = 0.1;
 template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force);
 
-/// Adds the derivative of that force to the blocks of the faces' nodes.
+/// Adds the derivative of that force to the blocks of the faces' nodes; what a row has no column for goes to its
+/// diagonal.
 template <int dim>
 void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, const NodeGraph& graph,
                       const View<double*>& values);
+
+/// The derivative of that force, held by face.
+struct LinearisedGhost
+{
+  View<double*> pull;               ///< J u of every node, dim numbers each, laid out as faces.nodes
+  View<double*> secant, softening; ///< by face
+};
+
+template <int dim> LinearisedGhost linearise_ghost(const GhostFaces& faces, const View<double*>& increment);
+
+/// Adds the derivative times `direction` (m) to `force` (N).
+template <int dim>
+void add_linearised_ghost(const GhostFaces& faces, const LinearisedGhost& derivative, const View<double*>& direction,
+                          const View<double*>& force);
 
 /// Adds the ghost mass of the faces. It does not change the total mass (Coombs 2023, doi 10.1002/nme.7332).
 void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const NodalMass& mass);

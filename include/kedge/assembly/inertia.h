@@ -15,8 +15,10 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
 void add_mass_times(const NodeGraph& graph, const NodalMass& mass, double factor, const NodalVector& x,
                     const NodalVector& result);
 
-/// Adds factor * M to the diagonals of the blocks of `values`.
-void add_mass_matrix(const NodeGraph& graph, const NodalMass& mass, double factor, const View<double*>& values);
+/// Adds factor * M to the diagonals of the blocks of `values`, laid out by `graph`; what its rows have no column for goes
+/// to their diagonal. `mass_graph` is that of M.
+void add_mass_matrix(const NodeGraph& mass_graph, const NodalMass& mass, double factor, const NodeGraph& graph,
+                     const View<double*>& values);
 
 /// Adds m S_v q to `result` for a quantity q of every particle. If q is the velocity, this is the momentum (kg m/s).
 void add_particle_momentum(const ParticleArrays& particles, const StencilSet& stencils,
@@ -29,17 +31,15 @@ struct NodalMotion
   NodalVector velocity, acceleration; ///< m/s, m/s2
 };
 
-/// Makes M the matrix of the system. Collective.
-void set_mass_matrix(const NodalMass& mass, System& system);
+/// M^-1 b on all local nodes; M couples nodes as `graph` says, which may be a local one. Constrained dofs of `system`
+/// become zero, also in b. Throws SolverError if the system cannot be solved. Collective.
+NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                           const System& system);
 
-/// M^-1 b on all local nodes. M must be the matrix of the system (set_mass_matrix). Constrained dofs become zero, also
-/// in b. Throws SolverError if the system cannot be solved. Collective.
-NodalVector divide_by_mass(TpetraVector& right_side, const System& system);
-
-/// Projects the particles' velocity and acceleration: M v = sum of m S v_p. Afterwards M is the matrix of the system.
+/// Projects the particles' velocity and acceleration: M v = sum of m S v_p, M coupling nodes as `graph` says.
 /// Throws SolverError if the system cannot be solved. Collective.
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
-                           bool lumped, System& system);
+                           bool lumped, const NodeGraph& graph, const System& system);
 
 /// Adds M a (N), where a is Newmark's acceleration for the nodal increments (m).
 void add_inertia_force(const NodeGraph& graph, const NodalMotion& motion, const Newmark& newmark,

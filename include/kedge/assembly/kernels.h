@@ -53,6 +53,15 @@ KEDGE_FUNCTION std::size_t find_entry(const View<std::size_t*>& row_begin, const
   return low;
 }
 
+/// The same, or the entry of the diagonal where the row does not hold the column: sparser matrices keep row sums.
+KEDGE_FUNCTION std::size_t find_entry_or_diagonal(const View<std::size_t*>& row_begin,
+                                                  const View<unsigned int*>& column, const unsigned int row,
+                                                  const unsigned int node)
+{
+  const std::size_t entry = find_entry(row_begin, column, row, node);
+  return column(entry) == node ? entry : find_entry(row_begin, column, row, row);
+}
+
 /// dF = 1 + sum over nodes of d_v (x) grad S_v of particle p.
 template <int dim>
 KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils, const View<double*>& increment,

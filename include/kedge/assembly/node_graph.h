@@ -56,6 +56,9 @@ struct NodeGraph
 /// axes. Collective.
 Teuchos::RCP<const TpetraMap> make_dof_map(unsigned int dim, const std::vector<long long>& node, std::size_t n);
 
+/// Couples the nodes of this rank's lists. Without maps, the matrix graph and what rows are sent by.
+NodeGraph build_local_graph(unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings);
+
 /// Couples the nodes of all ranks' lists. Collective.
 NodeGraph build_node_graph(unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings);
 

@@ -28,6 +28,9 @@ public:
   /// Sets constrained entries to zero.
   void zero_constrained(TpetraVector& owned) const;
 
+  /// Gives constrained entries of `result` the values that they have in `from`.
+  void keep_constrained(const TpetraVector& from, TpetraVector& result) const;
+
   void clear_matrix();
   /// Adds ghost rows to the rows of their owners. Constrained rows and columns become a scaled identity. Collective.
   void finish_matrix();
@@ -44,6 +47,7 @@ private:
 /// Adds sign * weight * force of every point to the nodal vector `force`.
 void add_point_forces(unsigned int dim, const PointForces& points, double sign, const NodalVector& force);
 
-/// Adds sign * weight_a weight_b tangent to the blocks (a, b) of every point.
+/// Adds sign * weight_a weight_b tangent to the blocks (a, b) of every point; what a row has no column for goes to its
+/// diagonal.
 void add_point_tangents(const PointForces& points, double sign, const NodeGraph& graph, const View<double*>& values);
 } // namespace kedge

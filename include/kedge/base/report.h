@@ -58,7 +58,7 @@ std::string format_progress(const ProgressLine& shown);
 class Timings
 {
 public:
-  /// Adds the time from its construction to its destruction to a phase.
+  /// Adds the time from its construction to its destruction to a phase, less that of the scopes within.
   class Scope
   {
   public:
@@ -71,6 +71,7 @@ public:
     Timings& timings;
     const char* phase;
     std::chrono::steady_clock::time_point start;
+    double within_others; ///< of the scope around this one, so far
   };
 
   Scope measure(const char* phase) { return {*this, phase}; }
@@ -78,6 +79,7 @@ public:
 
 private:
   std::map<std::string, double> totals;
+  double within = 0.; ///< the present scope, s: spent in scopes within it
 };
 
 /// Highest resident memory of this process so far, in bytes.

@@ -18,5 +18,6 @@ using TpetraMatrix = Tpetra::CrsMatrix<double, LocalOrdinal, GlobalOrdinal, Tpet
 using TpetraGraph = TpetraMatrix::crs_graph_type;
 using TpetraVector = Tpetra::Vector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using TpetraMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
+using TpetraOperator = Tpetra::Operator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using TpetraImport = Tpetra::Import<LocalOrdinal, GlobalOrdinal, TpetraNode>;
 } // namespace kedge

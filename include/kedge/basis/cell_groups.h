@@ -25,4 +25,8 @@ struct CellGroups
 /// leaf) every particle forms its own group.
 CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle,
                          const std::vector<unsigned char>& is_full);
+
+/// By leaf, the group whose particles share the volume change of the leaf; -1 where there is none.
+std::vector<int> groups_of_leaves(const CellGroups& cells, const std::vector<unsigned int>& leaf_of_particle,
+                                  std::size_t n_leaves);
 } // namespace kedge

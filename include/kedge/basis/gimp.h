@@ -23,6 +23,8 @@ template <int dim> struct NodeShare
   std::array<double, dim> gradient;
 };
 
+template <int dim> struct BoxParts;
+
 /// Shape function averages S_v and grad S_v of one box (centre, half-widths, m) over the leaves that it overlaps
 /// (Bardenhagen & Kober 2004; one-point integration per overlap box is exact, Bird et al. 2026, arXiv:2606.09275).
 /// Overlaps below 1e-11 of the box are ignored. A box that reaches beyond the window or the known leaves is clipped and
@@ -42,6 +44,8 @@ public:
   const std::vector<NodeShare<dim>>& average(const std::vector<CellCorrection<dim>>& corrections = {});
   /// The factor of the volume that belongs to the last average().
   double volume_factor() const { return factor; }
+  /// Adds the overlaps of the last find_overlaps(), with what the corrections make of them.
+  void append_to(BoxParts<dim>& parts, const std::vector<CellCorrection<dim>>& corrections) const;
 
 private:
   const LeafTable<dim>& table;
@@ -66,14 +70,24 @@ struct HostStencils
   std::vector<double> value, gradient, volume_factor;
 };
 
+/// The parts of the particles' boxes in the leaves, as build_stencils() found them.
+template <int dim> struct BoxParts
+{
+  std::vector<std::size_t> begin;             ///< by particle, and the end
+  std::vector<unsigned int> leaf;             ///< by part
+  std::vector<double> weight;                 ///< over the particle's initial volume
+  std::vector<std::array<double, dim>> place; ///< where gradients are taken, m
+};
+
 /// Builds the stencils of all particles. `leaf_of_particle` serves only to find equal patterns; particles of one leaf
 /// must be consecutive. With `point_basis` every box shrinks to its centre (standard MPM). `corrections`, one per leaf
-/// or none, are those of the quadrature of full cells. Throws SolverError if a particle lies outside the window.
+/// or none, are those of the quadrature of full cells. `parts` receives the overlaps, if it is given. Throws SolverError
+/// if a particle lies outside the window.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,
                             const std::vector<unsigned int>& leaf_of_particle, bool point_basis,
-                            const std::vector<CellCorrection<dim>>& corrections = {});
+                            const std::vector<CellCorrection<dim>>& corrections = {}, BoxParts<dim>* parts = nullptr);
 
 /// Renames the nodes by `number` (leaf-table node -> active node), sorts the nodes of each pattern and copies
 /// everything to the device.

@@ -1,8 +1,8 @@
 // Linear systems: GMRES with algebraic multigrid, or a direct factorisation.
 #pragma once
 
+#include <functional>
 #include <kedge/solvers/border.h>
-#include <kedge/solvers/near_matrix.h>
 #include <kedge/solvers/parameters.h>
 #include <memory>
 #include <string>
@@ -17,6 +17,15 @@ struct LinearReport
   unsigned int escalations = 0; ///< number of stronger methods tried after the first one
 };
 
+/// A linear system as its solvers need it. All parts have the row map of A, with the equations of a node together.
+struct LinearSystem
+{
+  Teuchos::RCP<const TpetraOperator> product;        ///< A x, at any time the present one
+  Teuchos::RCP<TpetraMultiVector> near_null_space;   ///< rigid body modes as columns
+  std::function<Teuchos::RCP<TpetraMatrix>()> near;  ///< assembles a sparse matrix near the present A; collective
+  std::function<Teuchos::RCP<TpetraMatrix>()> whole; ///< assembles the present A, for factorisations; collective
+};
+
 /// Solves A x = b for general (unsymmetric) matrices with `block_size` equations per node. The multigrid hierarchy
 /// (MueLu, smoothed aggregation) and the sparse factorisation (UMFPACK) live behind this class.
 class LinearSolver
@@ -25,11 +34,13 @@ public:
   LinearSolver(const SolverParameters& parameters, unsigned int block_size);
   ~LinearSolver();
 
-  /// Takes a matrix with a new sparsity (new mesh, new active nodes). `near_null_space`: rigid body modes as columns,
-  /// on the row map. If the places of the owned nodes are given, the NearMatrix serves to build the preconditioner.
-  /// Collective.
-  void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space,
-                     const NodePlaces& places = {});
+  /// Takes a system with a new structure (new mesh, new active nodes).
+  void set_structure(const LinearSystem& system);
+  /// The same for a matrix.
+  void set_structure(const Teuchos::RCP<TpetraMatrix>& matrix, const Teuchos::RCP<TpetraMultiVector>& near_null_space);
+
+  /// Whether a system of that many equations is factorised at once: then only `whole` is needed.
+  bool prefers_direct(std::size_t n_equations) const;
 
   /// Solves to the given relative residual. After a failed Krylov solve it tries a new hierarchy, one with a stronger
   /// smoother and, if the size permits, a factorisation. The initial value of `x` does not matter. Collective.
@@ -45,10 +56,14 @@ private:
   std::unique_ptr<Implementation> implementation;
 };
 
-/// Solves A x = b for a symmetric, positive (semi-)definite matrix to a relative residual, by conjugate gradients
+/// Solves A x = b for a symmetric, positive (semi-)definite operator to a relative residual, by conjugate gradients
 /// scaled with the diagonal. Returns false if they stall. Collective.
-bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, const TpetraVector& right_side,
-                             TpetraVector& x, double relative_tolerance);
+bool solve_positive_definite(const Teuchos::RCP<const TpetraOperator>& product, const TpetraVector& diagonal,
+                             const TpetraVector& right_side, TpetraVector& x, double relative_tolerance);
+
+/// Raises diagonal entries to a tenth of the other entries of their row. Soil with a non-associated flow rule has rows
+/// with smaller and even negative diagonals, on which Gauss-Seidel diverges; a preconditioner does not suffer.
+void bound_diagonal(TpetraMatrix& matrix);
 
 /// Rigid body modes of the nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
 /// with `constrained[dof] != 0` get almost zero. `map` has the dofs of these nodes in the same order.

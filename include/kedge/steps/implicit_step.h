@@ -3,6 +3,9 @@
 
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
+#include <kedge/assembly/linearised_force.h>
+#include <kedge/assembly/linearised_points.h>
+#include <kedge/assembly/nodal_operator.h>
 #include <kedge/assembly/system.h>
 #include <kedge/steps/force_measure.h>
 #include <kedge/steps/rigid_unknowns.h>
@@ -10,6 +13,12 @@
 
 namespace kedge
 {
+/// Positions of the owned nodes (dim coordinates per node) and the size of the largest cell at each node, both in m.
+struct NodePlaces
+{
+  std::vector<double> position, spacing;
+};
+
 /// An implicit step, static or dynamic. Fixed data: basis, numbering, sparsity, contact pairs.
 template <int dim> class ImplicitStep : public TrialStep<dim>
 {
@@ -44,13 +53,29 @@ private:
   double residual(const TpetraVector& x, TpetraVector& r);
   void renew_force_measure();
   double measure(const TpetraVector& r) const;
+  // the linear systems (implicit_tangent.cc)
+  std::vector<NodeLists> all_couplings() const;
+  void set_up_systems(const std::vector<unsigned char>& constrained_dofs);
+  void linearise(double elastic_share);
+  void add_product(const NodalVector& direction, const NodalVector& result) const;
+  void finish_matrix(System& into) const;
+  Teuchos::RCP<TpetraMatrix> assemble_near();
+  Teuchos::RCP<TpetraMatrix> assemble_whole();
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
 
   StepContext<dim> context;
   StepBasis basis;
   NodalMotion motion; ///< at the start of the step; empty in static stages
-  std::unique_ptr<System> system;
+  std::vector<unsigned char> constrained; ///< dofs of the local nodes
+  bool factorises = false;                ///< every system at once: then the matrix of `system` is the tangent
+  std::unique_ptr<System> system;         ///< else that of the preconditioner
+  std::unique_ptr<System> whole_system;   ///< the tangent for a factorisation after all else has failed
+  NodeGraph mass_graph;                   ///< of this rank's part of the mass
+  LinearisedForce force_derivative;
+  LinearisedGhost ghost_derivative;
+  LinearisedPoints contact_derivative;
+  double damping = 0.; ///< of the last linearisation
   std::unique_ptr<RigidUnknowns> rigid_unknowns;
   LinearSolver linear_solver;
   Teuchos::RCP<TpetraVector> increment;

@@ -4,6 +4,7 @@
 #include <kedge/assembly/node_graph.h>
 #include <kedge/basis/active_nodes.h>
 #include <kedge/basis/cell_groups.h>
+#include <kedge/basis/elements.h>
 #include <kedge/basis/ghost_faces.h>
 #include <kedge/steps/trial_step.h>
 
@@ -15,6 +16,7 @@ struct StepBasis
   ActiveNodes nodes;
   StencilSet stencils;
   CellGroups cells;       ///< of F-bar; empty without it
+  Elements elements;      ///< only where they were asked for
   GhostFaces ghost_faces; ///< none where the factors are zero
 
   /// Bytes that the particles of this rank take of it.
@@ -27,8 +29,9 @@ constexpr double automatic_ghost_strength = 0.02;
 
 GhostFactors ghost_factors(const SolverParameters& solver);
 
-/// Collective.
-template <int dim> StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors);
+/// `with_elements`: for implicit steps. Collective.
+template <int dim>
+StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& ghost_factors, bool with_elements);
 
 /// As the assembly knows the nodes.
 NodeNumbering numbering_of(const ActiveNodes& nodes);

@@ -5,7 +5,7 @@
 #include <functional>
 #include <kedge/assembly/system.h>
 #include <kedge/basis/active_nodes.h>
-#include <kedge/basis/gimp.h>
+#include <kedge/basis/elements.h>
 #include <memory>
 
 namespace kedge::test
@@ -38,8 +38,8 @@ template <int dim> struct Discretisation
   Discretisation(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
   {
     const LeafTable<dim>& table = mesh.leaves();
-    HostStencils host =
-        build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(), false);
+    HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
+                                            false, {}, &box_parts);
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;
@@ -54,12 +54,21 @@ template <int dim> struct Discretisation
   {
     const std::vector<NodeLists> couplings{f_bar ? NodeLists{cells.node_begin, cells.nodes}
                                                  : NodeLists{stencils.pattern_node_begin, stencils.pattern_nodes}};
-    return std::make_unique<System>(
-        dim, NodeNumbering{nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}, couplings, constrained);
+    return std::make_unique<System>(dim, numbering(), couplings, constrained);
   }
   std::unique_ptr<System> make_system(const bool f_bar = false) const
   {
     return make_system(std::vector<unsigned char>(dim * nodes.n_local(), 0), f_bar);
+  }
+
+  NodeNumbering numbering() const { return {nodes.communicator, nodes.n_owned, nodes.global, nodes.ghost_begin}; }
+
+  Elements make_elements(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles,
+                         const CellGroups& groups) const
+  {
+    const LeafTable<dim>& table = mesh.leaves();
+    return kedge::make_elements<dim>(table, box_parts, download(particles.arrays().initial_volume), nodes.number,
+                                     groups_of_leaves(groups, particles.leaves(), table.leaves.size()));
   }
 
   using Field = std::function<double(const std::array<double, dim>& position, unsigned int component)>;
@@ -89,6 +98,7 @@ template <int dim> struct Discretisation
 
   ActiveNodes nodes;
   StencilSet stencils;
+  BoxParts<dim> box_parts;
   CellGroups cells;                              ///< what F-bar averages over
   std::vector<std::array<double, dim>> position; ///< of the nodes of this rank
 };

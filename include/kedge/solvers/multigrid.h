@@ -1,0 +1,32 @@
+// Algebraic multigrid for nodes with several equations each.
+#pragma once
+
+#include <kedge/base/tpetra.h>
+#include <memory>
+
+namespace kedge
+{
+/// One cycle of multigrid (MueLu, aggregation) from zero, as a preconditioner. On the finest level a BlockGaussSeidel
+/// smooths, which takes most of a cycle's time.
+class Multigrid : public TpetraOperator
+{
+public:
+  /// `near_null_space`: rigid body modes as columns, on the row map. `strong` takes longer and serves where the other
+  /// fails. Null if no hierarchy is found. Collective.
+  static Teuchos::RCP<Multigrid> build(const Teuchos::RCP<TpetraMatrix>& matrix,
+                                       const Teuchos::RCP<TpetraMultiVector>& near_null_space,
+                                       unsigned int block_size, bool strong);
+  ~Multigrid() override;
+
+  Teuchos::RCP<const TpetraMap> getDomainMap() const override;
+  Teuchos::RCP<const TpetraMap> getRangeMap() const override;
+  /// y = cycle(x); alpha and beta must be 1 and 0. Collective.
+  void apply(const TpetraMultiVector& x, TpetraMultiVector& y, Teuchos::ETransp mode, double alpha,
+             double beta) const override;
+
+private:
+  struct Implementation;
+  explicit Multigrid(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation;
+};
+} // namespace kedge

@@ -1,0 +1,428 @@
+#include <kedge/assembly/linearised_force.h>
+#include <kedge/assembly/point_tangents.h>
+
+namespace kedge
+{
+namespace
+{
+/// What particle p adds to its cell, pulled back to the start of the step, where [m][i] is entry dim m + i.
+template <int dim> struct CellTerms
+{
+  double stress[dim * dim], dilation[dim * dim], volume[dim * dim];
+};
+
+template <int dim> struct LineariseKernel
+{
+  PointTangents<dim> points;
+  NodalVector increment;
+  LinearisedForce derivative;
+
+  KEDGE_FUNCTION void particle(const unsigned int p) const
+  {
+    const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
+    SpatialTangent tangent;
+    points.evaluate(p, dF, tangent);
+    store(p, pull_back(tangent, dF, integration_volume(points.particles, points.stencils, p)).value);
+  }
+
+  KEDGE_FUNCTION void operator()(const unsigned int c) const
+  {
+    const unsigned int begin = points.cells.particle_begin(c), end = points.cells.particle_begin(c + 1);
+    double compliance = 0., total = 0.;
+    Pulled pulled;
+    CellTerms<dim> terms;
+    for (unsigned int p = begin; p < end; ++p)
+    {
+      const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
+      const double volume = integration_volume(points.particles, points.stencils, p);
+      SpatialTangent tangent;
+      const PointDilation dilation = points.evaluate(p, dF, tangent);
+      compliance += volume * dilation.compliance;
+      total += volume * determinant(dF);
+      pulled = pull_back(tangent, dF, volume);
+      terms = pull_back(dilation, dF, volume);
+      if (end - begin > 1)
+      {
+        store(p, pulled.value);
+        store(p, terms);
+      }
+    }
+    const double modulus = 1. / compliance, spring = points.cells.spring(begin) / total;
+    const bool shares = end - begin > 1;
+    derivative.modulus(c) = shares ? modulus : 0.;
+    derivative.spring(c) = shares ? spring : 0.;
+    if (shares)
+      return;
+    for (int kn = 0; kn < dim * dim; ++kn)
+      for (int im = 0; im < dim * dim; ++im)
+      {
+        const int k = kn % dim, n = kn / dim;
+        pulled.value[(n * dim + k) * dim * dim + im] +=
+            modulus * terms.stress[im] * terms.dilation[kn] - spring * terms.volume[im] * terms.volume[kn];
+      }
+    store(begin, pulled.value);
+  }
+
+  struct Pulled
+  {
+    double value[dim * dim * dim * dim]; ///< as LinearisedForce::moduli
+  };
+
+  /// V a_ijkl dF^-1_mj dF^-1_nl, one index after the other.
+  KEDGE_FUNCTION static Pulled pull_back(const SpatialTangent& tangent, const Eigen::Matrix3d& dF, const double volume)
+  {
+    const Eigen::Matrix3d to_start = inverse(dF);
+    double half[dim][dim][dim][dim]; // [n][k][j][i]
+    for (int n = 0; n < dim; ++n)
+      for (int k = 0; k < dim; ++k)
+        for (int j = 0; j < dim; ++j)
+          for (int i = 0; i < dim; ++i)
+          {
+            double sum = 0.;
+            for (int l = 0; l < dim; ++l)
+              sum += to_start(n, l) * tangent(i, j, k, l);
+            half[n][k][j][i] = volume * sum;
+          }
+    Pulled result;
+    double* to = result.value;
+    for (int n = 0; n < dim; ++n)
+      for (int k = 0; k < dim; ++k)
+        for (int m = 0; m < dim; ++m)
+          for (int i = 0; i < dim; ++i, ++to)
+          {
+            *to = 0.;
+            for (int j = 0; j < dim; ++j)
+              *to += to_start(m, j) * half[n][k][j][i];
+          }
+    return result;
+  }
+
+  KEDGE_FUNCTION static CellTerms<dim> pull_back(const PointDilation& dilation, const Eigen::Matrix3d& dF,
+                                                 const double volume)
+  {
+    const Eigen::Matrix3d to_start = inverse(dF);
+    const double end_volume = volume * determinant(dF);
+    CellTerms<dim> terms;
+    for (int m = 0; m < dim; ++m)
+      for (int i = 0; i < dim; ++i)
+      {
+        double stress = 0., change = 0.;
+        for (int j = 0; j < dim; ++j)
+        {
+          stress += dilation.stress[3 * i + j] * to_start(m, j);
+          change += dilation.volume[3 * i + j] * to_start(m, j);
+        }
+        terms.stress[dim * m + i] = volume * stress;
+        terms.dilation[dim * m + i] = volume * change;
+        terms.volume[dim * m + i] = end_volume * to_start(m, i);
+      }
+    return terms;
+  }
+
+  KEDGE_FUNCTION void store(const unsigned int p, const double* value) const
+  {
+    for (int i = 0; i < dim * dim * dim * dim; ++i)
+      derivative.moduli(p, i) = value[i];
+  }
+
+  KEDGE_FUNCTION void store(const unsigned int p, const CellTerms<dim>& terms) const
+  {
+    for (int i = 0; i < dim * dim; ++i)
+    {
+      derivative.cell(p, i) = terms.stress[i];
+      derivative.cell(p, 9 + i) = terms.dilation[i];
+      derivative.cell(p, 18 + i) = terms.volume[i];
+    }
+  }
+};
+
+/// dim numbers in whole SIMD registers. The lane behind them holds what happens to follow in memory, and counts for
+/// nothing.
+template <int dim> struct Lanes
+{
+  static constexpr int size = dim + dim % 2;
+  using Type = Eigen::Array<double, size, 1>;
+
+  template <typename Number> KEDGE_FUNCTION static Type read(const Number* from)
+  {
+    return Eigen::Map<const Eigen::Array<Number, size, 1>>(from).template cast<double>();
+  }
+};
+
+template <int dim> struct ProductKernel
+{
+  StencilSet stencils;
+  CellGroups cells;
+  LinearisedForce derivative;
+  NodalVector direction;
+  View<double* [Lanes<dim>::size]> force; ///< by local node
+
+  using Row = typename Lanes<dim>::Type;
+  static constexpr int size = dim * dim, lanes = Lanes<dim>::size;
+
+  KEDGE_FUNCTION void particle(const unsigned int p) const
+  {
+    Row H[dim], w[dim];
+    gather(p, H);
+    multiply(p, H, w);
+    scatter(p, w);
+  }
+
+  KEDGE_FUNCTION void operator()(const unsigned int c) const
+  {
+    const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
+    if (end - begin == 1)
+      return particle(begin);
+    double dilation = 0., volume = 0.;
+    for (unsigned int p = begin; p < end; ++p)
+    {
+      Row H[dim], w[dim];
+      gather(p, H);
+      multiply(p, H, w);
+      for (int m = 0; m < dim; ++m)
+        for (int i = 0; i < lanes; ++i)
+          derivative.flux(p, lanes * m + i) = w[m][i];
+      for (int n = 0; n < dim; ++n)
+        for (int k = 0; k < dim; ++k)
+        {
+          dilation += derivative.cell(p, 9 + dim * n + k) * H[k][n];
+          volume += derivative.cell(p, 18 + dim * n + k) * H[k][n];
+        }
+    }
+    dilation *= derivative.modulus(c);
+    volume *= derivative.spring(c);
+    for (unsigned int p = begin; p < end; ++p)
+    {
+      Row w[dim];
+      for (int m = 0; m < dim; ++m)
+      {
+        for (int i = 0; i < lanes; ++i)
+          w[m][i] = derivative.flux(p, lanes * m + i);
+        for (int i = 0; i < dim; ++i)
+          w[m][i] +=
+              derivative.cell(p, dim * m + i) * dilation - derivative.cell(p, 18 + dim * m + i) * volume;
+      }
+      scatter(p, w);
+    }
+  }
+
+  /// H[k][n] = sum over nodes of d_vk grad_n S_v.
+  KEDGE_FUNCTION void gather(const unsigned int p, Row (&H)[dim]) const
+  {
+    const ParticleNodes at = nodes_of(stencils, p);
+    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    for (int k = 0; k < dim; ++k)
+      H[k].setZero();
+    for (unsigned int v = 0; v < at.n; ++v)
+    {
+      const double* d = &direction(std::size_t(dim) * at.node[v]);
+      const Row g = Lanes<dim>::read(gradient + dim * v);
+      for (int k = 0; k < dim; ++k)
+        H[k] += d[k] * g;
+    }
+  }
+
+  /// w[m][i] = sum of A_imkn H_kn.
+  KEDGE_FUNCTION void multiply(const unsigned int p, const Row (&H)[dim], Row (&w)[dim]) const
+  {
+    const float* moduli = &derivative.moduli(p, 0);
+    const std::size_t stride = derivative.moduli.stride_1();
+    for (int m = 0; m < dim; ++m)
+      w[m].setZero();
+    for (int n = 0; n < dim; ++n)
+      for (int k = 0; k < dim; ++k, moduli += size * stride)
+        for (int m = 0; m < dim; ++m)
+          if (stride == 1)
+            w[m] += H[k][n] * Lanes<dim>::read(moduli + dim * m);
+          else
+            for (int i = 0; i < dim; ++i)
+              w[m][i] += H[k][n] * moduli[(dim * m + i) * stride];
+  }
+
+  KEDGE_FUNCTION void scatter(const unsigned int p, const Row (&w)[dim]) const
+  {
+    const ParticleNodes at = nodes_of(stencils, p);
+    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    for (unsigned int v = 0; v < at.n; ++v)
+    {
+      Row f = w[0] * gradient[dim * v];
+      for (int m = 1; m < dim; ++m)
+        f += w[m] * gradient[dim * v + m];
+      add_lanes(at.node[v], f);
+    }
+  }
+
+  KEDGE_FUNCTION void add_lanes(const unsigned int node, const Row& f) const
+  {
+#ifdef KOKKOS_ENABLE_SERIAL
+    if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
+    {
+      Eigen::Map<Row> sum(&force(node, 0));
+      sum += f;
+      return;
+    }
+#endif
+    for (int i = 0; i < dim; ++i)
+      Kokkos::atomic_add(&force(node, i), f[i]);
+  }
+};
+
+template <int dim> struct ElementKernel
+{
+  Elements elements;
+  CellGroups cells;
+  LinearisedForce derivative;
+  View<std::size_t*> row_begin;
+  View<unsigned int*> column;
+  View<double*> values;
+
+  using Row = typename Lanes<dim>::Type;
+  static constexpr int size = dim * dim, n_places = 1 << dim;
+
+  KEDGE_FUNCTION void operator()(const unsigned int e) const
+  {
+    double moduli[size * size + 1] = {}; // one more: lanes
+    for (unsigned int i = elements.part_begin(e); i < elements.part_begin(e + 1); ++i)
+    {
+      const double share = elements.share(i) / n_places;
+      for (int k = 0; k < size * size; ++k)
+        moduli[k] += share * derivative.moduli(elements.particle(i), k);
+    }
+    double terms[27] = {}, modulus = 0., spring = 0.;
+    const int c = elements.cell(e);
+    if (c >= 0)
+    {
+      modulus = derivative.modulus(c) / (n_places * n_places);
+      spring = derivative.spring(c) / (n_places * n_places);
+      for (unsigned int p = cells.particle_begin(c); p < cells.particle_begin(c + 1); ++p)
+        for (int i = 0; i < 27; ++i)
+          terms[i] += derivative.cell(p, i);
+    }
+    const unsigned int first = elements.node_begin(e), n = elements.node_begin(e + 1) - first;
+    for (unsigned int a = 0; a < n; ++a)
+    {
+      double of_a[3][dim];
+      contract(terms, first, n, a, of_a);
+      const unsigned int row = elements.nodes(first + a);
+      const std::size_t begin = row_begin(row), length = row_begin(row + 1) - begin;
+      std::size_t at = begin;
+      for (unsigned int b = 0; b < n; ++b, ++at)
+      {
+        while (column(at) != elements.nodes(first + b)) // both lists ascend
+          ++at;
+        double of_b[3][dim];
+        contract(terms, first, n, b, of_b);
+        Row block[dim];
+        for (int k = 0; k < dim; ++k)
+          block[k].setZero();
+        add_block(moduli, first, n, a, b, block);
+        for (int i = 0; i < dim; ++i)
+          for (int k = 0; k < dim; ++k)
+            add_to(values(std::size_t(dim) * (dim * begin + i * length + at - begin) + k),
+                   block[k][i] + modulus * of_a[0][i] * of_b[1][k] - spring * of_a[2][i] * of_b[2][k]);
+      }
+    }
+  }
+
+  /// of[t][i] = sum over places and m of terms[9 t + dim m + i] grad_m of node v.
+  KEDGE_FUNCTION void contract(const double* terms, const unsigned int first, const unsigned int n,
+                               const unsigned int v, double (&of)[3][dim]) const
+  {
+    double g[dim] = {};
+    for (int s = 0; s < n_places; ++s)
+      for (int m = 0; m < dim; ++m)
+        g[m] += elements.gradient(dim * (n_places * first + n * s + v) + m);
+    for (int t = 0; t < 3; ++t)
+      for (int i = 0; i < dim; ++i)
+      {
+        of[t][i] = 0.;
+        for (int m = 0; m < dim; ++m)
+          of[t][i] += terms[9 * t + dim * m + i] * g[m];
+      }
+  }
+
+  /// block[k][i] += sum of moduli_imkl times grad_m of a and grad_l of b over the places.
+  KEDGE_FUNCTION void add_block(const double* moduli, const unsigned int first, const unsigned int n,
+                                const unsigned int a, const unsigned int b, Row (&block)[dim]) const
+  {
+    Row product[dim]; // [l][m]
+    for (int l = 0; l < dim; ++l)
+      product[l].setZero();
+    for (int s = 0; s < n_places; ++s)
+    {
+      const Row of_a = Lanes<dim>::read(&elements.gradient(dim * (n_places * first + n * s + a)));
+      const double* of_b = &elements.gradient(dim * (n_places * first + n * s + b));
+      for (int l = 0; l < dim; ++l)
+        product[l] += of_b[l] * of_a;
+    }
+    for (int l = 0; l < dim; ++l)
+      for (int k = 0; k < dim; ++k)
+        for (int m = 0; m < dim; ++m)
+          block[k] += product[l][m] * Lanes<dim>::read(moduli + (dim * l + k) * size + dim * m);
+  }
+};
+} // namespace
+
+template <int dim>
+LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils,
+                                const Materials& materials, const NodalVector& increment, const CellGroups& cells,
+                                const double elastic_share, LinearisedForce derivative)
+{
+  if (derivative.moduli.extent(0) != particles.n + 1)
+  {
+    const auto uninitialised = [](const std::string& label)
+    { return Kokkos::view_alloc(label, Kokkos::WithoutInitializing); };
+    derivative.moduli = View<float**>(uninitialised("moduli"), particles.n + 1, dim * dim * dim * dim);
+    derivative.cell = View<float* [27]>("terms of the cell", cells.empty() ? 0 : particles.n);
+    derivative.flux = View<double* [12]>(uninitialised("flux"), cells.empty() ? 0 : particles.n);
+    derivative.modulus = View<float*>("modulus of the cell", cells.n_cells());
+    derivative.spring = View<float*>("spring of the cell", cells.n_cells());
+  }
+  const LineariseKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share}, increment, derivative};
+  if (cells.empty())
+    Kokkos::parallel_for(
+        "linearise", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+        KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.points.stencils.pattern_particles(i)); });
+  else
+    Kokkos::parallel_for("linearise by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
+  return derivative;
+}
+
+template <int dim>
+void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, const LinearisedForce& derivative,
+                          const NodalVector& direction, const NodalVector& force)
+{
+  const std::size_t n_nodes = force.extent(0) / dim;
+  const View<double* [Lanes<dim>::size]> sums("force in lanes", n_nodes);
+  const ProductKernel<dim> kernel{stencils, cells, derivative, direction, sums};
+  if (cells.empty())
+    Kokkos::parallel_for(
+        "product", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
+        KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.stencils.pattern_particles(i)); });
+  else
+    Kokkos::parallel_for("product by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
+  Kokkos::parallel_for(
+      "sum product", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
+        for (int i = 0; i < dim; ++i)
+          force(dim * v + i) += sums(v, i);
+      });
+}
+
+template <int dim>
+void add_element_stiffness(const Elements& elements, const CellGroups& cells, const LinearisedForce& derivative,
+                           const NodeGraph& graph, const View<double*>& values)
+{
+  Kokkos::parallel_for("element stiffness", Kokkos::RangePolicy<ExecutionSpace>(0, elements.n()),
+                       ElementKernel<dim>{elements, cells, derivative, graph.row_begin, graph.column, values});
+}
+
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template LinearisedForce linearise_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,            \
+                                                const NodalVector&, const CellGroups&, double, LinearisedForce);       \
+  template void add_linearised_force<dim>(const StencilSet&, const CellGroups&, const LinearisedForce&,                \
+                                          const NodalVector&, const NodalVector&);                                     \
+  template void add_element_stiffness<dim>(const Elements&, const CellGroups&, const LinearisedForce&,                 \
+                                           const NodeGraph&, const View<double*>&);
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
+} // namespace kedge
