@@ -4,6 +4,7 @@
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <cmath>
+#include <kedge/base/failure.h>
 #include <kedge/solvers/direct.h>
 #include <kedge/solvers/linear_solver.h>
 #include <kedge/solvers/near_matrix.h>
@@ -167,6 +168,7 @@ struct LinearSolver::Implementation
     }
     catch (const std::exception&) // MueLu throws if it finds none
     {
+      rethrow_if_alone("multigrid");
     }
     strong_hierarchy = strong;
     return !hierarchy.is_null();
@@ -227,11 +229,11 @@ struct LinearSolver::Implementation
     }
     catch (const Belos::BelosError&) // the preconditioner has returned NaN
     {
-      report.converged = false;
+      rethrow_if_alone("Krylov solver");
     }
     catch (const std::runtime_error&) // from KLU2: the matrix of the coarsest level is singular
     {
-      report.converged = false;
+      rethrow_if_alone("Krylov solver");
     }
     report.iterations = solver.getNumIters();
     return report;
@@ -355,6 +357,7 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraMatrix>& matrix, con
   }
   catch (const Belos::BelosError&) // because of round-off the matrix is not positive definite
   {
+    rethrow_if_alone("projection");
     return false;
   }
 }

@@ -206,9 +206,9 @@ TYPED_TEST(Checkpoint, NoPredictionStaysNone)
   run.soil.forget_prediction();
   run.write(this->file);
   Fresh<TypeParam::value> restored(MPI_COMM_WORLD);
-  restored.soil.parts().prediction = {1.};
+  restored.soil.parts().prediction.emplace(1, 1.);
   restored.read(this->file, input);
-  EXPECT_TRUE(restored.soil.prediction().empty());
+  EXPECT_FALSE(restored.soil.prediction());
 }
 
 TYPED_TEST(Checkpoint, ReplacesTheFileAndLeavesNoDraft)
