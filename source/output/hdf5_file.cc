@@ -8,6 +8,7 @@
 #include <kedge/base/failure.h>
 #include <kedge/output/hdf5_file.h>
 #include <numeric>
+#include <sys/resource.h>
 #include <system_error>
 #include <unistd.h>
 
@@ -138,6 +139,11 @@ bool Hdf5Writer::reserve(const long long bytes)
     return false;
   reserved += bytes;
   const off_t wanted = reserved + room_for_headers;
+  if (rlimit most{}; ::getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur < static_cast<rlim_t>(wanted))
+  {
+    reserve_error = EFBIG;
+    return false;
+  }
   reserve_error = ::fallocate(descriptor, FALLOC_FL_KEEP_SIZE, 0, wanted) == 0 ? 0 : errno;
   if (reserve_error == EOPNOTSUPP) // by the file system; filling the file tells at least what fits now
   {
