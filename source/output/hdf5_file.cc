@@ -118,17 +118,21 @@ Hdf5Writer::~Hdf5Writer()
 void Hdf5Writer::open_draft()
 {
   const Silence silence;
-  const auto problem = [this](const char* what, const int error)
-  { return FileError(draft, std::string(what) + ": " + std::generic_category().message(error)); };
   descriptor = ::open(draft.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0666);
   if (descriptor < 0)
-    throw problem("cannot be opened for writing", errno);
-  if (!reserve(0))
-    throw problem("cannot be written", reserve_error);
-  const Handle access(make_access(), H5Pclose);
-  file = H5Fcreate(draft.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    throw FileError(draft, "cannot be opened for writing: " + std::generic_category().message(errno));
+  if (reserve(0))
+  {
+    const Handle access(make_access(), H5Pclose);
+    file = H5Fcreate(draft.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  }
   if (file < 0)
-    throw FileError(draft, "cannot be opened for writing");
+  {
+    close_draft();
+    std::remove(draft.c_str());
+    throw FileError(draft, reserve_error == 0 ? "cannot be created by HDF5"
+                                              : "cannot be written: " + std::generic_category().message(reserve_error));
+  }
   sound = reserve(0); // creation gave the space back
 }
 
