@@ -70,7 +70,7 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
       "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
       "            1 too little memory or a mistake in the program,\n"
-      "            143 ended by SIGTERM, after a restart file was written");
+      "            143 ended by SIGUSR1 or SIGTERM, after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");

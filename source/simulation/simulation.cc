@@ -84,7 +84,9 @@ template <int dim> bool Simulation<dim>::run_stages()
       begin_stage(number);
     if (!run_stage())
     {
-      log.finish("ended by SIGTERM");
+      log.finish(std::string("ended by ") + checkpoints.told_to_end());
+      log.report().line("ended by " + std::string(checkpoints.told_to_end()) + "; --restart goes on from " +
+                        checkpoints.path());
       return false;
     }
     end_stage();
