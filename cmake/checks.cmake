@@ -37,6 +37,8 @@ endforeach()
 add_test(NAME command-line
          COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/command-line $<TARGET_FILE:kedge>)
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
+add_test(NAME faults COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/faults $<TARGET_FILE:kedge>)
+set_tests_properties(faults PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
 add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
 set_tests_properties(commit PROPERTIES LABELS check)
 add_test(NAME benchmark-manufactured COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/benchmarks/manufactured/verify)

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/environment.h>
-#include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/geometry/command.h>
 #include <kedge/simulation/check.h>
 #include <kedge/simulation/simulation.h>
@@ -11,14 +11,7 @@
 
 namespace
 {
-enum ExitCode
-{
-  success = 0,
-  bad_input = 2,
-  solver_failure = 3,
-  file_failure = 4,
-  told_to_end = 143 // the shell's code for SIGTERM
-};
+using kedge::ExitCode;
 
 struct Arguments
 {
@@ -29,8 +22,13 @@ struct Arguments
 
 ExitCode run(const Arguments& arguments)
 {
-  kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
-  kedge::refuse_unavailable_features(input);
+  kedge::Input input;
+  kedge::agree(MPI_COMM_WORLD,
+               [&]
+               {
+                 input = kedge::read_input(arguments.file, arguments.overrides);
+                 kedge::refuse_unavailable_features(input);
+               });
   if (arguments.cpu)
     input.gpu = false;
   kedge::RunOptions options;
@@ -40,7 +38,7 @@ ExitCode run(const Arguments& arguments)
   options.quiet = arguments.quiet;
   options.verbose = arguments.verbose;
   options.restart = arguments.restart;
-  return kedge::run_simulation(input, options) ? success : told_to_end;
+  return kedge::run_simulation(input, options) ? kedge::success : kedge::told_to_end;
 }
 
 void check(const Arguments& arguments)
@@ -71,7 +69,8 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   app.footer(
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
       "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
-      "            143 ended by SIGTERM, after a restart file was written");
+      "            1 too little memory or a mistake in the program,\n"
+      "            143 ended by SIGUSR1 or SIGTERM, after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -82,7 +81,7 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");
   run_command.add_flag("--restart", arguments.restart, "Continue from the restart file in the output folder");
-  ExitCode code = success;
+  ExitCode code = kedge::success;
   run_command.final_callback([&] { code = run(arguments); });
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and estimate the cost of its run");
@@ -91,8 +90,12 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   check_command.final_callback(
       [&]
       {
-        if (environment.rank() == 0)
-          check(arguments);
+        kedge::agree(MPI_COMM_WORLD,
+                     [&]
+                     {
+                       if (environment.rank() == 0)
+                         check(arguments);
+                     });
       });
 
   CLI::App& schema_command = *app.add_subcommand("schema", "Print the JSON Schema of the input, or its manual");
@@ -108,7 +111,7 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   }
   catch (const CLI::ParseError& error)
   {
-    return app.exit(error) == 0 ? success : bad_input;
+    return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
   }
   return code;
 }
@@ -117,26 +120,17 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 int main(int argc, char** argv)
 {
   kedge::Environment environment(argc, argv);
-  const auto fail = [&](const std::exception& error, const ExitCode code)
-  {
-    if (environment.rank() == 0)
-      fmt::print(stderr, "kedge: {}\n", error.what());
-    return code;
-  };
   try
   {
     return run_program(environment, argc, argv);
   }
-  catch (const kedge::InputError& error)
+  catch (...)
   {
-    return fail(error, bad_input);
-  }
-  catch (const kedge::SolverError& error)
-  {
-    return fail(error, solver_failure);
-  }
-  catch (const kedge::FileError& error)
-  {
-    return fail(error, file_failure);
+    const kedge::Failure failure = kedge::current_failure();
+    if (!failure.is_named || !kedge::fails_everywhere("program"))
+      kedge::abort_all_ranks(failure);
+    if (environment.rank() == 0)
+      fmt::print(stderr, "kedge: {}\n", failure.message);
+    return failure.code;
   }
 }

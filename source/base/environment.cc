@@ -1,6 +1,8 @@
 #include <kedge/base/environment.h>
 
 #include <Tpetra_Core.hpp>
+#include <csignal>
+#include <kedge/base/failure.h>
 #include <mpi.h>
 #include <string>
 #include <vector>
@@ -12,8 +14,17 @@ namespace
 /// MPI must be finalised after Tpetra, hence a scope of its own.
 struct MpiScope
 {
-  MpiScope(int& argc, char**& argv) { MPI_Init(&argc, &argv); }
-  ~MpiScope() { MPI_Finalize(); }
+  MpiScope(int& argc, char**& argv)
+  {
+    MPI_Init(&argc, &argv);
+    open_failure_channel();
+    std::signal(SIGXFSZ, SIG_IGN); // a file beyond the limit of its size is an error of that file
+  }
+  ~MpiScope()
+  {
+    close_failure_channel();
+    MPI_Finalize();
+  }
 };
 
 /// The options --kokkos... alone: Kokkos would also take others, such as --help.

@@ -211,15 +211,18 @@ void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
 template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
   const std::vector<double> rows = file.read_all<double>("prediction", node_width<dim>);
+  soil.prediction.reset();
+  if (rows.empty())
+    return;
   const LeafTable<dim>& table = soil.mesh.leaves();
-  soil.prediction.assign(rows.empty() ? 0 : dim * table.node_position.size(), 0.);
+  std::vector<double>& increments = soil.prediction.emplace(dim * table.node_position.size(), 0.);
   std::unordered_map<std::string, const double*> increment_at;
   for (std::size_t i = 0; i < rows.size(); i += node_width<dim>)
     increment_at[node_key<dim>(&rows[i], table.base_size)] = &rows[i + dim];
-  for (std::size_t node = 0; !rows.empty() && node < table.node_position.size(); ++node)
+  for (std::size_t node = 0; node < table.node_position.size(); ++node)
     if (const auto entry = increment_at.find(node_key<dim>(table.node_position[node].data(), table.base_size));
         entry != increment_at.end())
-      std::copy_n(entry->second, dim, &soil.prediction[dim * node]);
+      std::copy_n(entry->second, dim, &increments[dim * node]);
 }
 } // namespace
 
@@ -245,8 +248,15 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
   read_prediction(parts, file);
   read_bodies(bodies, file);
   const Json progress = parse(file.read_text("progress"), path);
-  parts.n_deleted = progress.at("deleted");
-  return progress_from(progress);
+  try
+  {
+    parts.n_deleted = progress.at("deleted");
+    return progress_from(progress);
+  }
+  catch (const Json::exception&)
+  {
+    throw FileError(path, "is damaged: its progress is incomplete; use an older restart file or start again");
+  }
 }
 
 template RunProgress read_checkpoint<2>(Soil<2>&, RigidSystems&, const std::string&, const std::string&);

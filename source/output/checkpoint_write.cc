@@ -55,12 +55,12 @@ template <int dim> void write_prediction(const Soil<dim>& soil, Hdf5Writer& file
   const LeafTable<dim>& table = soil.mesh().leaves();
   const Prediction& prediction = soil.prediction();
   std::vector<double> nodes;
-  if (!prediction.empty())
+  if (prediction)
     for (std::size_t node = 0; node < table.node_position.size(); ++node)
       if (table.node_owner_is_me[node])
       {
         nodes.insert(nodes.end(), table.node_position[node].begin(), table.node_position[node].end());
-        nodes.insert(nodes.end(), &prediction[dim * node], &prediction[dim * node] + dim);
+        nodes.insert(nodes.end(), prediction->begin() + dim * node, prediction->begin() + dim * (node + 1));
       }
   file.write_rows("prediction", nodes, node_width<dim>);
 }

@@ -1,8 +1,16 @@
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <fcntl.h>
 #include <hdf5.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/output/hdf5_file.h>
+#include <numeric>
+#include <sys/resource.h>
+#include <system_error>
+#include <unistd.h>
 
 namespace kedge
 {
@@ -49,22 +57,22 @@ hid_t native_type(char) { return H5T_NATIVE_CHAR; }
 
 bool on_all_ranks(const bool here, const MPI_Comm communicator) { return min_over_ranks(here, communicator) > 0.; }
 
-/// Opens or creates a file for all ranks.
-template <typename Open> hid_t open_together(const MPI_Comm communicator, const Open& open)
+/// Ranks read side by side, so the file needs no lock, which some file systems do not know.
+hid_t make_access()
 {
-  const Silence silence;
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
-  return open(access);
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+#if H5_VERSION_GE(1, 10, 7)
+  H5Pset_file_locking(access, false, true);
+#endif
+  return access;
 }
 
-/// The part of a table that this rank transfers: rows [first, first + count).
+/// Rows [first, first + count) of a table, and the memory that they go from or to.
 struct Slice
 {
   Slice(const hid_t table, const std::size_t first, const std::size_t count, const unsigned int width)
-      : memory(make(count, width), H5Sclose), transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose)
+      : memory(make(count, width), H5Sclose)
   {
-    H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
     const hsize_t start[2] = {first, 0}, size[2] = {count, width};
     if (count > 0)
       H5Sselect_hyperslab(table, H5S_SELECT_SET, start, nullptr, size, nullptr);
@@ -81,45 +89,118 @@ struct Slice
     return H5Screate_simple(2, size, nullptr);
   }
 
-  Handle memory, transfer;
+  Handle memory;
 };
+
+constexpr std::size_t message_size = std::size_t(1) << 26; // bytes of rows that travel at a time
+constexpr long long room_for_headers = 1 << 20;            // bytes, more than a file needs beside its tables
 } // namespace
 
 Hdf5Writer::Hdf5Writer(std::string path_, const MPI_Comm communicator_)
     : path(std::move(path_)), draft(path + ".new"), communicator(communicator_)
 {
-  file = open_together(communicator, [&](const hid_t access)
-                       { return H5Fcreate(draft.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access); });
-  if (!on_all_ranks(file >= 0, communicator))
-    throw FileError(draft, "cannot be opened for writing");
+  agree(communicator,
+        [&]
+        {
+          if (rank_of(communicator) == 0)
+            open_draft();
+        });
 }
 
 Hdf5Writer::~Hdf5Writer()
 {
-  if (file < 0)
+  if (rank_of(communicator) != 0)
     return;
-  const Silence silence;
-  H5Fclose(file);
-  if (rank_of(communicator) == 0)
-    std::remove(draft.c_str());
+  close_draft();
+  std::remove(draft.c_str()); // if it did not get its name
 }
 
+void Hdf5Writer::open_draft()
+{
+  const Silence silence;
+  descriptor = ::open(draft.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0666);
+  if (descriptor < 0)
+    throw FileError(draft, "cannot be opened for writing: " + std::generic_category().message(errno));
+  if (reserve(0))
+  {
+    const Handle access(make_access(), H5Pclose);
+    file = H5Fcreate(draft.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  }
+  if (file < 0)
+  {
+    close_draft();
+    std::remove(draft.c_str());
+    throw FileError(draft, reserve_error == 0 ? "cannot be created by HDF5"
+                                              : "cannot be written: " + std::generic_category().message(reserve_error));
+  }
+  sound = reserve(0); // creation gave the space back
+}
+
+/// Makes sure that so many more bytes fit on the disk. HDF5 must not meet a full one: it crashes as the program ends.
+bool Hdf5Writer::reserve(const long long bytes)
+{
+  if (!sound)
+    return false;
+  reserved += bytes;
+  const off_t wanted = reserved + room_for_headers;
+  if (rlimit most{}; ::getrlimit(RLIMIT_FSIZE, &most) == 0 && most.rlim_cur < static_cast<rlim_t>(wanted))
+  {
+    reserve_error = EFBIG;
+    return false;
+  }
+  reserve_error = ::fallocate(descriptor, FALLOC_FL_KEEP_SIZE, 0, wanted) == 0 ? 0 : errno;
+  if (reserve_error == EOPNOTSUPP) // by the file system; filling the file tells at least what fits now
+  {
+    const off_t size = ::lseek(descriptor, 0, SEEK_END);
+    reserve_error = posix_fallocate(descriptor, 0, wanted);
+    if (::ftruncate(descriptor, size) != 0)
+      reserve_error = errno;
+  }
+  return reserve_error == 0;
+}
+
+/// Rank 0 receives the rows of the others, a message at a time.
 template <typename T>
 void Hdf5Writer::write_rows(const std::string& name, const std::vector<T>& mine, const unsigned int width)
 {
   const Silence silence;
+  const int n_ranks = size_of(communicator);
+  const std::size_t rows_at_once = std::max<std::size_t>(1, message_size / (width * sizeof(T)));
+  const PlainType row(width * sizeof(T));
   const long long count = mine.size() / width;
-  const long long total = sum_over_ranks(count, communicator);
-  const Handle space(Slice::make(total, width), H5Sclose);
-  const Handle table(H5Dcreate2(file, name.c_str(), native_type(T()), space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                     H5Dclose);
-  if (table < 0)
-    sound = false;
-  if (total == 0) // HDF5 gives an empty table no space in the file
+  if (rank_of(communicator) != 0)
+  {
+    MPI_Gather(&count, 1, MPI_LONG_LONG, nullptr, 0, MPI_LONG_LONG, 0, communicator);
+    for (std::size_t first = 0; first < std::size_t(count); first += rows_at_once)
+      MPI_Send(&mine[first * width], std::min<std::size_t>(rows_at_once, count - first), row.get(), 0, 0, communicator);
     return;
-  const Slice slice(space, sum_over_lower_ranks(count, communicator), count, width);
-  if (H5Dwrite(table, native_type(T()), slice.memory, space, slice.transfer, mine.data()) < 0)
-    sound = false;
+  }
+  std::vector<long long> counts(n_ranks);
+  MPI_Gather(&count, 1, MPI_LONG_LONG, counts.data(), 1, MPI_LONG_LONG, 0, communicator);
+  const std::size_t total = std::accumulate(counts.begin(), counts.end(), 0ll);
+  sound = sound && reserve(total * width * sizeof(T));
+  const Handle space(Slice::make(total, width), H5Sclose);
+  const Handle table(
+      !sound ? -1 : H5Dcreate2(file, name.c_str(), native_type(T()), space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  sound = sound && table >= 0;
+  const auto write = [&](const std::size_t first, const std::size_t n, const T* rows)
+  {
+    const Slice slice(space, first, n, width);
+    sound = sound && H5Dwrite(table, native_type(T()), slice.memory, space, H5P_DEFAULT, rows) >= 0;
+  };
+  if (count > 0) // HDF5 gives an empty table no space in the file
+    write(0, count, mine.data());
+  std::vector<T> received;
+  std::size_t begin = count;
+  for (int rank = 1; rank < n_ranks; begin += counts[rank++])
+    for (std::size_t first = 0; first < std::size_t(counts[rank]); first += rows_at_once)
+    {
+      const std::size_t n = std::min<std::size_t>(rows_at_once, counts[rank] - first);
+      received.resize(n * width);
+      MPI_Recv(received.data(), n, row.get(), rank, 0, communicator, MPI_STATUS_IGNORE);
+      write(begin + first, n, received.data());
+    }
 }
 
 void Hdf5Writer::write_text(const std::string& name, const std::string& text)
@@ -128,28 +209,43 @@ void Hdf5Writer::write_text(const std::string& name, const std::string& text)
   write_rows(name, root ? std::vector<char>(text.begin(), text.end()) : std::vector<char>(), 1);
 }
 
-void Hdf5Writer::finish()
+/// Gives back the space that was reserved and not needed.
+void Hdf5Writer::close_draft()
 {
   const Silence silence;
-  if (H5Fclose(file) < 0)
+  if (file >= 0 && H5Fclose(file) < 0)
     sound = false;
-  file = -1;
-  sound = on_all_ranks(sound, communicator);
-  // No rank may still be writing when the file gets its name.
-  if (rank_of(communicator) == 0)
+  if (descriptor >= 0)
   {
-    sound = sound && std::rename(draft.c_str(), path.c_str()) == 0;
-    if (!sound)
-      std::remove(draft.c_str());
+    const off_t size = ::lseek(descriptor, 0, SEEK_END);
+    sound = sound && ::ftruncate(descriptor, size) == 0 && ::fsync(descriptor) == 0;
+    ::close(descriptor);
   }
-  if (!on_all_ranks(sound, communicator))
-    throw FileError(path, "could not be written in full; check that the disk has free space");
+  file = descriptor = -1;
+}
+
+void Hdf5Writer::finish()
+{
+  agree(communicator,
+        [&]
+        {
+          if (rank_of(communicator) != 0)
+            return;
+          close_draft();
+          if (sound && std::rename(draft.c_str(), path.c_str()) == 0)
+            return;
+          std::remove(draft.c_str());
+          throw FileError(path, "could not be written in full, the one before is kept; check that the disk has free "
+                                "space");
+        });
 }
 
 Hdf5Reader::Hdf5Reader(std::string path_, const MPI_Comm communicator_)
     : path(std::move(path_)), communicator(communicator_)
 {
-  file = open_together(communicator, [&](const hid_t access) { return H5Fopen(path.c_str(), H5F_ACC_RDONLY, access); });
+  const Silence silence;
+  const Handle access(make_access(), H5Pclose);
+  file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
   require(file >= 0, "cannot be opened: it is missing, incomplete or no HDF5 file");
 }
 
@@ -192,7 +288,7 @@ std::vector<T> Hdf5Reader::read_rows(const std::string& name, const unsigned int
     return rows;
   const Handle table(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose), space(H5Dget_space(table), H5Sclose);
   const Slice slice(space, first, count, width);
-  require(H5Dread(table, native_type(T()), slice.memory, space, slice.transfer, rows.data()) >= 0,
+  require(H5Dread(table, native_type(T()), slice.memory, space, H5P_DEFAULT, rows.data()) >= 0,
           "cannot be read at its table \"" + name + "\"");
   return rows;
 }

@@ -97,7 +97,8 @@ void BodyHistory::resume_after(unsigned int step)
   while (std::getline(lines, line))
   {
     const std::string last = line.substr(line.rfind(',') + 1);
-    const bool is_step = !last.empty() && std::all_of(last.begin(), last.end(), [](char c) { return std::isdigit(c); });
+    const bool is_step = !last.empty() && last.size() < 10 &&
+                         std::all_of(last.begin(), last.end(), [](char c) { return std::isdigit(c); });
     // A row without a line end was cut off when the run stopped.
     if (!lines.eof() && is_step && std::stoul(last) <= step)
       kept += line + "\n";

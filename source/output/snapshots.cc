@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/output/snapshots.h>
-#include <kedge/output/text_file.h>
 
 namespace kedge
 {
@@ -56,28 +56,28 @@ OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::
     vtk_particle_fields.push_back(select_particle_fields<dim>(parameters.vtk.particle_fields, of_law));
     csv_particle_fields.push_back(select_particle_fields<dim>(parameters.csv.particle_fields, of_law));
   }
-  fail_together(run_directory, communicator,
-                [&]
-                {
-                  if (rank_of(communicator) != 0)
-                    return;
-                  create_folder(run_directory);
-                  if (parameters.vtk.on)
-                    create_folder(vtk_folder);
-                  if (parameters.csv.on)
-                    create_folder(csv_folder);
-                });
+  agree(communicator,
+        [&]
+        {
+          if (rank_of(communicator) != 0)
+            return;
+          create_folder(run_directory);
+          if (parameters.vtk.on)
+            create_folder(vtk_folder);
+          if (parameters.csv.on)
+            create_folder(csv_folder);
+        });
 }
 
 template <int dim> void OutputWriter<dim>::resume_after(unsigned int step)
 {
   resumed = vtk_step = csv_step = step;
-  fail_together(csv_folder, communicator,
-                [&]
-                {
-                  if (parameters.csv.on && rank_of(communicator) == 0)
-                    history.resume_after(step);
-                });
+  agree(communicator,
+        [&]
+        {
+          if (parameters.csv.on && rank_of(communicator) == 0)
+            history.resume_after(step);
+        });
 }
 
 template <int dim> void OutputWriter<dim>::begin_stage(unsigned int n_steps)
@@ -105,7 +105,7 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
   if (vtk)
   {
     const std::vector<ContactForce> contact = gather_contact(state.touches, communicator);
-    fail_together(vtk_folder, communicator, [&] { write_snapshot(state, layers, contact); });
+    agree(communicator, [&] { write_snapshot(state, layers, contact); });
   }
   if (csv && !parameters.csv.particle_fields.empty())
     for (unsigned int layer = 0; layer < n_layers; ++layer)
@@ -115,22 +115,22 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
       const ParticleTable table =
           gather_on_root(tabulate(layers[layer], fields), count_components(fields), communicator);
       const std::string name = file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
-      fail_together(csv_folder, communicator,
-                    [&]
-                    {
-                      if (rank_of(communicator) == 0)
-                        write_particle_csv(table, fields, state.time, csv_folder + "/" + name);
-                    });
+      agree(communicator,
+            [&]
+            {
+              if (rank_of(communicator) == 0)
+                write_particle_csv(table, fields, state.time, csv_folder + "/" + name);
+            });
     }
   const bool any_column =
       !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty() || !state.bodies.joints.empty();
   if (csv && any_column && !state.bodies.empty())
-    fail_together(csv_folder, communicator,
-                  [&]
-                  {
-                    if (rank_of(communicator) == 0)
-                      history.append(state.bodies, state.reactions, state.time, state.stage, state.step);
-                  });
+    agree(communicator,
+          [&]
+          {
+            if (rank_of(communicator) == 0)
+              history.append(state.bodies, state.reactions, state.time, state.stage, state.step);
+          });
 }
 
 template <int dim>

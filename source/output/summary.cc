@@ -2,6 +2,7 @@
 #include <Kokkos_Macros.hpp>
 #include <Trilinos_version.h>
 #include <deal.II/base/config.h>
+#include <filesystem>
 #include <fmt/format.h>
 #include <kedge/output/summary.h>
 #include <mpi.h>
@@ -111,6 +112,17 @@ void write_summary(const RunSummary& summary, const std::string& file)
                      {"peak memory", summary.peak_memory},
                      {"libraries", summary.libraries}};
   // A file name may hold bytes that are not UTF-8. They are replaced, so that the summary can be written.
+  replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+void change_status(const RunSummary& summary, const std::string& file)
+{
+  std::error_code ignored;
+  const bool is_there = std::filesystem::exists(file, ignored);
+  Json json = is_there ? Json::parse(read_text_file(file), nullptr, false) : Json();
+  if (!json.is_object())
+    return write_summary(summary, file);
+  json["status"] = summary.status;
   replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 } // namespace kedge

@@ -1,10 +1,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <fstream>
-#include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/text_file.h>
-#include <optional>
 #include <sstream>
 #include <system_error>
 
@@ -49,23 +47,5 @@ std::string read_text_file(const std::string& path)
   if (!file.is_open() || file.bad())
     throw FileError(path, "cannot be read: " + last_system_message());
   return text.str();
-}
-
-void fail_together(const std::string& path, const MPI_Comm communicator, const std::function<void()>& action)
-{
-  std::optional<FileError> problem;
-  try
-  {
-    action();
-  }
-  catch (const FileError& error)
-  {
-    problem = error;
-  }
-  const bool anywhere = max_over_ranks(problem ? 1. : 0., communicator) > 0.;
-  if (problem)
-    throw *problem;
-  if (anywhere)
-    throw FileError(path, "another rank could not write its part");
 }
 } // namespace kedge

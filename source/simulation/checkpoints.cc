@@ -8,9 +8,9 @@ namespace kedge
 {
 namespace
 {
-volatile std::sig_atomic_t terminated = 0; // a signal handler can reach nothing else
+volatile std::sig_atomic_t told = 0; // the signal; a handler can reach nothing else
 
-void note_termination(int) { terminated = 1; }
+void note(const int signal) { told = signal; }
 } // namespace
 
 std::string restart_path(const OutputParameters& parameters, const std::string& output_directory)
@@ -21,6 +21,8 @@ std::string restart_path(const OutputParameters& parameters, const std::string& 
 CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const std::string& output_directory)
     : file(restart_path(parameters, output_directory))
 {
+  told = 0;
+  std::signal(SIGUSR1, note);
   if (parameters.checkpoint_every.empty())
     return;
   std::istringstream text(parameters.checkpoint_every);
@@ -31,15 +33,13 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
     every_steps = static_cast<unsigned int>(number);
   else
     every_seconds = number * (unit == "h" ? 3600. : unit == "min" ? 60. : 1.);
-  terminated = 0;
-  listens = true;
-  std::signal(SIGTERM, note_termination);
+  std::signal(SIGTERM, note);
 }
 
 CheckpointSchedule::~CheckpointSchedule()
 {
-  if (listens)
-    std::signal(SIGTERM, SIG_DFL);
+  for (const int signal : {SIGUSR1, SIGTERM})
+    std::signal(signal, SIG_DFL);
 }
 
 void CheckpointSchedule::make_folder() const
@@ -49,15 +49,19 @@ void CheckpointSchedule::make_folder() const
     std::filesystem::create_directories(std::filesystem::path(file).parent_path(), ignored);
 }
 
+const char* CheckpointSchedule::told_to_end() const
+{
+  return ended_by == 0 ? nullptr : ended_by == SIGUSR1 ? "SIGUSR1" : "SIGTERM";
+}
+
 bool CheckpointSchedule::due()
 {
-  if (!listens)
-    return false;
   ++steps;
   const auto now = std::chrono::steady_clock::now();
   const bool by_time = every_seconds > 0. && std::chrono::duration<double>(now - last).count() >= every_seconds;
-  ends = max_over_ranks(terminated, MPI_COMM_WORLD) > 0.;
-  const bool result = ends || (every_steps > 0 && steps >= every_steps) || max_over_ranks(by_time, MPI_COMM_WORLD) > 0.;
+  ended_by = static_cast<int>(max_over_ranks(told, MPI_COMM_WORLD));
+  const bool result =
+      ended_by != 0 || (every_steps > 0 && steps >= every_steps) || max_over_ranks(by_time, MPI_COMM_WORLD) > 0.;
   if (result)
   {
     steps = 0;

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
-#include <kedge/output/text_file.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/version.h>
 
@@ -17,7 +19,10 @@ std::string format_residuals(const NewtonReport& newton)
 }
 
 RunLog::RunLog(const Input& input_, const RunOptions& options_)
-    : input(input_), options(options_), terminal(rank_of(MPI_COMM_WORLD) == 0, options_.quiet)
+    : input(input_),
+      options(options_),
+      terminal(rank_of(MPI_COMM_WORLD) == 0, options_.quiet),
+      clock_of_phases(planned_fault(std::getenv("KEDGE_FAULT"), rank_of(MPI_COMM_WORLD)))
 {
   summary.version = version();
   summary.commit = commit();
@@ -146,6 +151,30 @@ void RunLog::finish(const std::string& status)
     terminal.line(fmt::format("finished in {:.1f} s, results in {}", summary.total_seconds, options.output_directory));
 }
 
+void RunLog::fail(const Failure& failure)
+{
+  terminal.end_progress();
+  const int rank = rank_of(MPI_COMM_WORLD);
+  const bool is_alone = !failure.is_named || !fails_everywhere("run");
+  const std::string whose = is_alone && summary.ranks > 1 ? fmt::format("rank {}: ", rank) : "";
+  take_stock("failed: " + whose + failure.message);
+  try
+  {
+    if (rank == 0)
+      write_summary(summary, path());
+    else if (is_alone)
+      change_status(summary, path());
+  }
+  catch (const FileError& error) // of which the terminal hears below
+  {
+    terminal.warn(error.what());
+  }
+  if (is_alone)
+    abort_all_ranks(failure);
+}
+
+std::string RunLog::path() const { return (std::filesystem::path(options.output_directory) / "summary.json").string(); }
+
 void RunLog::take_times()
 {
   summary.seconds = earlier.seconds;
@@ -155,18 +184,23 @@ void RunLog::take_times()
   summary.total_seconds = earlier.total_seconds + since.count();
 }
 
-void RunLog::write(const std::string& status)
+void RunLog::take_stock(const std::string& status)
 {
   summary.status = status;
   summary.warnings = terminal.warnings();
+  summary.peak_memory = peak_memory();
   take_times();
-  summary.peak_memory = max_over_ranks(peak_memory(), MPI_COMM_WORLD);
-  const std::string path = (std::filesystem::path(options.output_directory) / "summary.json").string();
-  fail_together(path, MPI_COMM_WORLD,
-                [&]
-                {
-                  if (rank_of(MPI_COMM_WORLD) == 0)
-                    write_summary(summary, path);
-                });
+}
+
+void RunLog::write(const std::string& status)
+{
+  take_stock(status);
+  summary.peak_memory = max_over_ranks(summary.peak_memory, MPI_COMM_WORLD);
+  agree(MPI_COMM_WORLD,
+        [&]
+        {
+          if (rank_of(MPI_COMM_WORLD) == 0)
+            write_summary(summary, path());
+        });
 }
 } // namespace kedge

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/output/checkpoint.h>
 #include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/layout.h>
@@ -17,8 +18,9 @@
 namespace kedge
 {
 template <int dim>
-Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
+Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
     : input(input_),
+      options(options_),
       log(input_, options),
       soil(make_grid_layout<dim>(input_), input_.material_points, input_.contact, MPI_COMM_WORLD),
       bodies(make_rigid_systems(input_.systems, dim)),
@@ -29,21 +31,17 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options)
     body_force.emplace(input.body_force);
   for (const std::string& warning : find_warnings(input, bodies))
     log.report().warn(warning);
-  if (options.restart)
-    resume();
-  else
-    generate(options);
 }
 
-template <int dim> void Simulation<dim>::generate(const RunOptions& options)
+template <int dim> void Simulation<dim>::generate()
 {
   const std::string copy = (std::filesystem::path(options.output_directory) / "input.json").string();
-  fail_together(copy, MPI_COMM_WORLD,
-                [&]
-                {
-                  if (rank_of(MPI_COMM_WORLD) == 0)
-                    write_text_file(copy, input.effective_json);
-                });
+  agree(MPI_COMM_WORLD,
+        [&]
+        {
+          if (rank_of(MPI_COMM_WORLD) == 0)
+            write_text_file(copy, input.effective_json);
+        });
   const auto scope = log.timings().measure("generation");
   soil.generate(Eigen::Map<const Eigen::Vector3d>(input.gravity.data()).norm());
 }
@@ -60,7 +58,25 @@ template <int dim> void Simulation<dim>::resume()
   log.report().line(fmt::format("going on after step {} from {}", step_number, checkpoints.path()));
 }
 
+/// Errors end here while the run still stands: where one rank fails alone, nothing may be destroyed together any more.
 template <int dim> bool Simulation<dim>::run()
+{
+  try
+  {
+    if (options.restart)
+      resume();
+    else
+      generate();
+    return run_stages();
+  }
+  catch (...)
+  {
+    log.fail(current_failure());
+    throw;
+  }
+}
+
+template <int dim> bool Simulation<dim>::run_stages()
 {
   for (unsigned int number = stage_number; number < input.stages.size(); ++number)
   {
@@ -68,7 +84,9 @@ template <int dim> bool Simulation<dim>::run()
       begin_stage(number);
     if (!run_stage())
     {
-      log.finish("ended by SIGTERM");
+      log.finish(std::string("ended by ") + checkpoints.told_to_end());
+      log.report().line("ended by " + std::string(checkpoints.told_to_end()) + "; --restart goes on from " +
+                        checkpoints.path());
       return false;
     }
     end_stage();
@@ -132,6 +150,7 @@ template <int dim> bool Simulation<dim>::run_stage()
   limit_steps(clock);
   while (!clock.at_end())
   {
+    log.timings().begin_step(step_number + 1);
     const NewtonReport report = attempt_step(clock);
     if (report.converged)
     {
@@ -145,10 +164,13 @@ template <int dim> bool Simulation<dim>::run_stage()
       log.progress(report, clock, summarise_step());
       write_output(clock, false);
       const bool is_due = checkpoints.due();
-      if (is_due || (clock.at_end() && stage_number + 1 < input.stages.size())) // the next stage may fail at once
-        write_restart_file(clock);
       if (checkpoints.told_to_end())
+      {
+        write_restart_file(clock);
         return false;
+      }
+      if (is_due || (clock.at_end() && stage_number + 1 < input.stages.size())) // the next stage may fail at once
+        write_or_warn("restart file", [&] { write_restart_file(clock); });
     }
     else if (!clock.cut() && !bring_into_balance(clock))
       give_up(clock, report);
@@ -179,6 +201,7 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
   }
   catch (const SolverError& error)
   {
+    rethrow_if_alone("step");
     NewtonReport nothing;
     nothing.failure = error.what();
     give_up(clock, nothing);
@@ -317,18 +340,31 @@ template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
   write_checkpoint<dim>(soil, bodies, progress, input.effective_json, checkpoints.path());
 }
 
+/// A file that the run can do without.
+template <int dim> void Simulation<dim>::write_or_warn(const std::string& place, const std::function<void()>& write)
+{
+  try
+  {
+    write();
+  }
+  catch (const FileError& error)
+  {
+    rethrow_if_alone(place);
+    log.report().warn(error.what());
+  }
+}
+
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   if (log.steps_in_stage() > 0)
   {
-    write_output(clock, true);
-    write_restart_file(clock);
+    write_or_warn("last output", [&] { write_output(clock, true); });
+    write_or_warn("last restart file", [&] { write_restart_file(clock); });
   }
   ResidualPlace residual;
   if (step && !newton.residuals.empty())
     residual = step->find_residual();
   end_stage();
-  log.finish("failed: " + newton.failure);
   throw SolverError(describe_failure(input, stage_number, clock, newton, residual), newton.residuals);
 }
 
@@ -340,10 +376,14 @@ template <int dim> void Simulation<dim>::end_stage()
 
 bool run_simulation(const Input& input, const RunOptions& options)
 {
-  if (const std::string path = restart_path(input.output, options.output_directory);
-      options.restart && !std::filesystem::exists(path))
-    throw FileError(path, "is not there, so nothing can go on; run without --restart, with \"checkpoint every\" for a "
-                          "restart file, or name the folder of the first run with --output");
+  agree(MPI_COMM_WORLD,
+        [&]
+        {
+          if (const std::string path = restart_path(input.output, options.output_directory);
+              options.restart && !std::filesystem::exists(path))
+            throw FileError(path, "is not there, so nothing can go on; run without --restart, with \"checkpoint "
+                                  "every\" for a restart file, or name the folder of the first run with --output");
+        });
   return input.dimension == 2 ? Simulation<2>(input, options).run() : Simulation<3>(input, options).run();
 }
 } // namespace kedge

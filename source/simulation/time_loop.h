@@ -1,6 +1,7 @@
 // The run of a scene: its state, and the steps of its time loop.
 #pragma once
 
+#include <functional>
 #include <kedge/output/snapshots.h>
 #include <kedge/particles/expressions.h>
 #include <kedge/simulation/checkpoints.h>
@@ -19,8 +20,9 @@ public:
   bool run();
 
 private:
-  void generate(const RunOptions& options);
+  void generate();
   void resume();
+  bool run_stages();
   void enter_stage(unsigned int number);
   void begin_stage(unsigned int number);
   void forget_motion();
@@ -39,10 +41,12 @@ private:
   StepSummary summarise_step() const;
   void write_output(const Clock& clock, bool even_if_not_due);
   void write_restart_file(const Clock& clock);
+  void write_or_warn(const std::string& place, const std::function<void()>& write);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
   void end_stage();
 
   const Input& input;
+  const RunOptions& options;
   const Stage* stage = nullptr;
   unsigned int stage_number = 0; ///< from 0
   double finished_time = 0.;     ///< of the stages before: s, a static one counts 1

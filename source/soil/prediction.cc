@@ -11,7 +11,8 @@ template <int dim> using Vector = std::array<double, dim>;
 
 /// Of a leaf at x, m.
 template <int dim>
-Vector<dim> interpolate(const Prediction& prediction, const LeafTable<dim>& table, const int leaf, const Vector<dim>& x)
+Vector<dim> interpolate(const std::vector<double>& prediction, const LeafTable<dim>& table, const int leaf,
+                        const Vector<dim>& x)
 {
   std::vector<NodeShare<dim>> shares;
   add_leaf_shape<dim>(table, leaf, x, 1., shares);
@@ -31,8 +32,8 @@ template <int dim> struct Answer
 
 /// Asks all ranks for the increments at nodes in leaves that this one did not know.
 template <int dim>
-void ask_others(const Prediction& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
-                const std::vector<std::size_t>& unknown, const MPI_Comm communicator, Prediction& result)
+void ask_others(const std::vector<double>& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
+                const std::vector<std::size_t>& unknown, const MPI_Comm communicator, std::vector<double>& result)
 {
   struct Question
   {
@@ -57,20 +58,20 @@ template <int dim>
 Prediction transfer_prediction(const Prediction& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
                                const MPI_Comm communicator)
 {
-  if (max_over_ranks(!prediction.empty(), communicator) == 0.)
+  if (!prediction)
     return {};
-  Prediction result(dim * to.node_position.size(), 0.);
+  std::vector<double> result(dim * to.node_position.size(), 0.);
   std::vector<std::size_t> unknown;
   for (std::size_t node = 0; node < to.node_position.size(); ++node)
     if (const int leaf = from.find_leaf(to.node_position[node]); leaf >= 0)
     {
-      const Vector<dim> increment = interpolate<dim>(prediction, from, leaf, to.node_position[node]);
+      const Vector<dim> increment = interpolate<dim>(*prediction, from, leaf, to.node_position[node]);
       std::copy(increment.begin(), increment.end(), result.begin() + dim * node);
     }
     else
       unknown.push_back(node);
   if (max_over_ranks(!unknown.empty(), communicator) > 0.)
-    ask_others<dim>(prediction, from, to, unknown, communicator, result);
+    ask_others<dim>(*prediction, from, to, unknown, communicator, result);
   return result;
 }
 

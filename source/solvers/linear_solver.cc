@@ -3,6 +3,7 @@
 #include <BelosTpetraAdapter.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <cmath>
+#include <kedge/base/failure.h>
 #include <kedge/solvers/direct.h>
 #include <kedge/solvers/linear_solver.h>
 #include <kedge/solvers/multigrid.h>
@@ -166,11 +167,11 @@ struct LinearSolver::Implementation
     }
     catch (const Belos::BelosError&) // the preconditioner has returned NaN
     {
-      report.converged = false;
+      rethrow_if_alone("Krylov solver");
     }
     catch (const std::runtime_error&) // from KLU2: the matrix of the coarsest level is singular
     {
-      report.converged = false;
+      rethrow_if_alone("Krylov solver");
     }
     report.iterations = solver.getNumIters();
     return report;
@@ -300,6 +301,7 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraOperator>& product, 
   }
   catch (const Belos::BelosError&) // because of round-off the matrix is not positive definite
   {
+    rethrow_if_alone("projection");
     return false;
   }
 }

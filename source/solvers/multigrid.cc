@@ -1,4 +1,5 @@
 #include <MueLu_CreateTpetraPreconditioner.hpp>
+#include <kedge/base/failure.h>
 #include <kedge/solvers/block_gauss_seidel.h>
 #include <kedge/solvers/multigrid.h>
 
@@ -84,6 +85,7 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
   }
   catch (const std::exception&) // MueLu throws if it finds none
   {
+    rethrow_if_alone("multigrid");
     return Teuchos::null;
   }
   const auto levels = made->hierarchy->GetHierarchy();

@@ -232,14 +232,14 @@ template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& new
   const Prediction& prediction = context.soil.prediction();
   increment->putScalar(0.);
   rigid_unknowns->set_rigid(*increment, rigid_unknowns->pick(start_increments(context.bodies, rigid_step())));
-  if (prediction.empty())
+  if (!prediction)
     return;
   TpetraVector guess(increment->getMap()), r(increment->getMap());
   {
     auto view = guess.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (unsigned int v = 0; v < basis.nodes.n_owned; ++v)
       for (unsigned int d = 0; d < dim; ++d)
-        view(dim * v + d, 0) = load.step_fraction * prediction[dim * basis.nodes.mesh_node[v] + d];
+        view(dim * v + d, 0) = load.step_fraction * (*prediction)[dim * basis.nodes.mesh_node[v] + d];
   }
   system->zero_constrained(*rigid_unknowns->nodal(guess));
   rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(context.bodies, rigid_step())));
@@ -252,7 +252,7 @@ template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& new
 template <int dim> Prediction ImplicitStep<dim>::predict_next() const
 {
   const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-  Prediction prediction(dim * context.soil.mesh().leaves().node_ids.size(), 0.);
+  std::vector<double> prediction(dim * context.soil.mesh().leaves().node_ids.size(), 0.);
   for (unsigned int v = 0; v < basis.nodes.n_local(); ++v)
     for (unsigned int d = 0; d < dim; ++d)
       prediction[dim * basis.nodes.mesh_node[v] + d] = local(dim * v + d) / load.step_fraction;

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <kedge/base/failure.h>
 #include <kedge/steps/step_basis.h>
 
 namespace kedge
@@ -45,7 +46,7 @@ template <int dim> std::vector<double> find_travel(const StepContext<dim>& conte
     return travel;
   }
   const Prediction& prediction = context.soil.prediction();
-  if (prediction.empty())
+  if (!prediction)
     return travel;
   const LeafTable<dim>& table = context.soil.mesh().leaves();
   for (std::size_t p = 0; p < travel.size(); ++p)
@@ -55,7 +56,7 @@ template <int dim> std::vector<double> find_travel(const StepContext<dim>& conte
     {
       double square = 0.;
       for (unsigned int d = 0; d < dim; ++d)
-        square += prediction[dim * table.nodes[i] + d] * prediction[dim * table.nodes[i] + d];
+        square += std::pow((*prediction)[dim * table.nodes[i] + d], 2);
       travel[p] = std::max(travel[p], std::sqrt(square));
     }
   }
@@ -91,8 +92,14 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
   const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
                                                                 : std::vector<CellCorrection<dim>>();
   BoxParts<dim> parts;
-  HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
-                                          context.basis == Basis::mpm, corrections, with_elements ? &parts : nullptr);
+  HostStencils host;
+  agree(communicator,
+        [&]
+        {
+          context.timings.reach("stencils");
+          host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
+                                     context.basis == Basis::mpm, corrections, with_elements ? &parts : nullptr);
+        });
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;

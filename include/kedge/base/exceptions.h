@@ -7,6 +7,12 @@
 
 namespace kedge
 {
+/// An error from its finished text, as another rank gives it.
+struct Whole
+{
+  std::string path, message;
+};
+
 /// Wrong input: the JSON path (or file, or command-line option) at fault, what is wrong and the remedy. Exit code 2.
 struct InputError : std::runtime_error
 {
@@ -14,6 +20,7 @@ struct InputError : std::runtime_error
       : std::runtime_error(path_ + ": " + problem + (remedy.empty() ? "" : "; " + remedy)), path(std::move(path_))
   {
   }
+  explicit InputError(const Whole& text) : std::runtime_error(text.message), path(text.path) {}
   std::string path;
 };
 
@@ -34,6 +41,13 @@ struct FileError : std::runtime_error
       : std::runtime_error(path_ + ": " + problem), path(std::move(path_))
   {
   }
+  explicit FileError(const Whole& text) : std::runtime_error(text.message), path(text.path) {}
   std::string path;
+};
+
+/// Anything else, as another rank reports it: too little memory, or a mistake in the program. Exit code 1.
+struct ProgramError : std::runtime_error
+{
+  using std::runtime_error::runtime_error;
 };
 } // namespace kedge

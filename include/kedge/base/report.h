@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <kedge/base/fault.h>
 #include <map>
 #include <string>
 #include <vector>
@@ -74,12 +75,32 @@ public:
     double within_others; ///< of the scope around this one, so far
   };
 
-  Scope measure(const char* phase) { return {*this, phase}; }
+  /// With a fault that strikes as its phase begins.
+  explicit Timings(std::optional<PlannedFault> fault_ = {}) : fault(std::move(fault_)) {}
+
+  Scope measure(const char* phase)
+  {
+    reach(phase);
+    return {*this, phase};
+  }
+  /// A place within a phase where a planned fault may strike too.
+  void reach(const char* place) const
+  {
+    if (fault)
+      fault->strike_at(place);
+  }
+  /// For planned faults.
+  void begin_step(const unsigned int number)
+  {
+    if (fault)
+      fault->step_now = number;
+  }
   const std::map<std::string, double>& seconds() const { return totals; }
 
 private:
   std::map<std::string, double> totals;
   double within = 0.; ///< the present scope, s: spent in scopes within it
+  std::optional<PlannedFault> fault;
 };
 
 /// Highest resident memory of this process so far, in bytes.

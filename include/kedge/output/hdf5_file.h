@@ -1,5 +1,6 @@
-// Tables in one HDF5 file that all ranks write and read together. Entries are double, std::int64_t or char. Every
-// function is collective. A failure on one rank throws FileError on all.
+// Tables in one HDF5 file. Entries are double, std::int64_t or char. Rank 0 writes for all, because MPI's files hang or
+// crash where a disk is full; every rank reads for itself. Every function is collective, but no destructor is. A
+// failure on one rank throws FileError on all.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +28,17 @@ public:
   void finish();
 
 private:
+  void open_draft();
+  void close_draft();
+  bool reserve(long long bytes);
+
   std::string path, draft;
   MPI_Comm communicator;
-  std::int64_t file = -1;
-  bool sound = true; ///< nothing has failed on this rank
+  std::int64_t file = -1; ///< of HDF5, on rank 0
+  int descriptor = -1;    ///< of the same file, to reserve its space
+  long long reserved = 0; ///< bytes for tables
+  int reserve_error = 0;  ///< of the system
+  bool sound = true;      ///< nothing has failed
 };
 
 class Hdf5Reader

@@ -44,4 +44,7 @@ void read_stages(const std::string& text, RunSummary& summary);
 
 /// Writes JSON. A reader sees the old summary or the new one, never a part. Throws FileError.
 void write_summary(const RunSummary& summary, const std::string& file);
+
+/// Writes the status into the summary that is there, or all of it where there is none.
+void change_status(const RunSummary& summary, const std::string& file);
 } // namespace kedge

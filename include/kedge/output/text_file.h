@@ -1,8 +1,6 @@
 // Reads and writes whole files at once. Errors name the file.
 #pragma once
 
-#include <functional>
-#include <mpi.h>
 #include <string>
 
 namespace kedge
@@ -16,7 +14,4 @@ void replace_text_file(const std::string& path, const std::string& text);
 
 /// Everything in the file. Throws FileError.
 std::string read_text_file(const std::string& path);
-
-/// Runs an action. If it throws a FileError on any rank, all ranks throw one. Collective.
-void fail_together(const std::string& path, MPI_Comm communicator, const std::function<void()>& action);
 } // namespace kedge

@@ -10,7 +10,8 @@ namespace kedge
 /// The restart file of a run whose output lands below `output_directory`.
 std::string restart_path(const OutputParameters& parameters, const std::string& output_directory);
 
-/// Counts steps or wall time since the last restart file, and listens for SIGTERM while files are wanted.
+/// Counts steps or wall time since the last restart file. Listens for SIGUSR1, which mpirun hands on to its ranks, and
+/// while files are wanted for SIGTERM. Under mpirun that comes a second before SIGKILL.
 class CheckpointSchedule
 {
 public:
@@ -27,14 +28,14 @@ public:
   /// Whether a file is due after a converged step: by the interval, or because the run is told to end. Ranks agree.
   /// Collective.
   bool due();
-  /// Whether a SIGTERM has come; what the last due() found on any rank.
-  bool told_to_end() const { return ends; }
+  /// The signal that tells the run to end, or null; what the last due() found on any rank.
+  const char* told_to_end() const;
 
 private:
   std::string file;
   unsigned int every_steps = 0, steps = 0; ///< 0: not by steps
   double every_seconds = 0.;               ///< 0: not by time
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
-  bool listens = false, ends = false;
+  int ended_by = 0; ///< a signal
 };
 } // namespace kedge

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <kedge/base/failure.h>
 #include <kedge/base/report.h>
 #include <kedge/bodies/rigid_systems.h>
 #include <kedge/output/summary.h>
@@ -49,11 +50,15 @@ public:
   /// `cells` hold soil; `particle_bytes` and `basis_bytes` are what this rank's particles and stencils take.
   /// Collective.
   void end_stage(const StepSummary& state, long long cells, double particle_bytes, double basis_bytes);
-  /// Writes summary.json with "finished" or what went wrong. Collective.
+  /// Writes summary.json with how the run ends. Collective.
   void finish(const std::string& status);
+  /// Writes into summary.json what went wrong. Ends all ranks if the others do not fail too. In a catch block.
+  void fail(const Failure& failure);
 
 private:
+  std::string path() const;
   void take_times();
+  void take_stock(const std::string& status);
   void write(const std::string& status);
 
   const Input& input;

@@ -15,7 +15,7 @@ struct RunOptions
   bool restart = false; ///< go on from the restart file in the output folder
 };
 
-/// Runs all stages; false where SIGTERM ended it after a step, with a restart file written. Throws SolverError where a
+/// Runs all stages; false where a signal ended it after a step, with a restart file written. Throws SolverError where a
 /// step fails at its smallest size (the state reached is written first, also as a restart file) and FileError where
 /// output cannot be written. Collective.
 bool run_simulation(const Input& input, const RunOptions& options);

@@ -80,7 +80,7 @@ public:
   void commit(const SoilIncrements& increments, const RigidSystems* bodies);
 
   /// The next step starts from rest.
-  void forget_prediction() { guess.clear(); }
+  void forget_prediction() { guess.reset(); }
 
   /// For restart files and tests. Material points renew their arrays by themselves; whoever sends points to other
   /// ranks or cells sends their history after them.

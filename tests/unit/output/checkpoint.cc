@@ -5,6 +5,7 @@
 #include <kedge/base/exceptions.h>
 #include <kedge/particles/splitting.h>
 #include <set>
+#include <sys/resource.h>
 
 // What a checkpoint brings back.
 
@@ -206,9 +207,9 @@ TYPED_TEST(Checkpoint, NoPredictionStaysNone)
   run.soil.forget_prediction();
   run.write(this->file);
   Fresh<TypeParam::value> restored(MPI_COMM_WORLD);
-  restored.soil.parts().prediction = {1.};
+  restored.soil.parts().prediction.emplace(1, 1.);
   restored.read(this->file, input);
-  EXPECT_TRUE(restored.soil.prediction().empty());
+  EXPECT_FALSE(restored.soil.prediction());
 }
 
 TYPED_TEST(Checkpoint, ReplacesTheFileAndLeavesNoDraft)
@@ -225,6 +226,19 @@ TYPED_TEST(Checkpoint, FolderThatIsMissingIsAnError)
 {
   Interrupted<TypeParam::value> run(MPI_COMM_WORLD);
   EXPECT_THROW(run.write(this->folder / "missing/run.restart"), FileError);
+}
+
+TYPED_TEST(Checkpoint, FullDiskKeepsTheFileBefore)
+{
+  this->write();
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit tight{1 << 16, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &tight);
+  EXPECT_THROW(this->write(), FileError);
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_NO_THROW(this->read());
+  EXPECT_FALSE(std::filesystem::exists(this->file + ".new"));
 }
 } // namespace
 } // namespace kedge

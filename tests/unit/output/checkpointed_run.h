@@ -80,9 +80,10 @@ template <int dim> struct Interrupted : SoilBlock<dim>
         point.last_increment[d] = noise(d, 30 + i);
       }
     }
+    std::vector<double>& prediction = this->soil.parts().prediction.emplace();
     for (const auto& x : this->mesh.leaves().node_position)
       for (unsigned int d = 0; d < dim; ++d)
-        this->soil.parts().prediction.push_back(noise_at(x, dim, d));
+        prediction.push_back(noise_at(x, dim, d));
     this->soil.parts().n_deleted = 4;
     progress = {2, {4096, 12345, 64, 3, 2, 4, true}, 77, 15, true, "a {\"summary\"} with umlauts: ä"};
   }

@@ -1,0 +1,180 @@
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <fmt/format.h>
+#include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
+#include <thread>
+
+namespace kedge
+{
+namespace
+{
+/// How long a rank waits for the others to fail too. They come from the same collective, so they are not far.
+constexpr std::chrono::milliseconds patience(1000), pause(1);
+
+MPI_Comm channel = MPI_COMM_NULL; // of its own: the other ranks may be anywhere in another one
+bool is_alone = false;
+
+[[noreturn]] void throw_again(const Failure& failure, const std::string& whose)
+{
+  const std::string message = whose + failure.message;
+  switch (failure.code)
+  {
+    case bad_input:
+      throw InputError(Whole{failure.path, message});
+    case solver_failure:
+      throw SolverError(message);
+    case file_failure:
+      throw FileError(Whole{failure.path, message});
+    case success:
+    case mistake:
+    case told_to_end:
+      break;
+  }
+  throw ProgramError(message);
+}
+
+void broadcast(std::string& text, const int from, const MPI_Comm communicator)
+{
+  unsigned long size = text.size();
+  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, from, communicator);
+  text.resize(size);
+  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, from, communicator);
+}
+
+/// Equal texts have equal numbers, on every rank (FNV-1a).
+unsigned int number_of(const std::string& text)
+{
+  unsigned int number = 2166136261u;
+  for (const char letter : text)
+    number = (number ^ static_cast<unsigned char>(letter)) * 16777619u;
+  return number;
+}
+
+void abort_unless_caught()
+{
+  Failure failure{mistake, "", "the program was terminated", false};
+  if (std::current_exception())
+    failure = current_failure();
+  abort_all_ranks(failure);
+}
+} // namespace
+
+Failure current_failure()
+{
+  try
+  {
+    throw;
+  }
+  catch (const InputError& error)
+  {
+    return {bad_input, error.path, error.what()};
+  }
+  catch (const SolverError& error)
+  {
+    return {solver_failure, "", error.what()};
+  }
+  catch (const FileError& error)
+  {
+    return {file_failure, error.path, error.what()};
+  }
+  catch (const ProgramError& error)
+  {
+    return {mistake, "", error.what()};
+  }
+  catch (const std::bad_alloc&)
+  {
+    return {mistake, "", "there is too little memory; use more nodes, fewer ranks on each, or larger cells", false};
+  }
+  catch (const std::exception& error)
+  {
+    return {mistake, "", fmt::format("{} (a mistake in the program: please report it with the input)", error.what()),
+            false};
+  }
+  catch (...)
+  {
+    return {mistake, "", "an unknown error (a mistake in the program: please report it with the input)", false};
+  }
+}
+
+void agree(const MPI_Comm communicator, const std::function<void()>& work)
+{
+  const int size = size_of(communicator), rank = rank_of(communicator);
+  if (size == 1)
+    return work();
+  Failure mine;
+  try
+  {
+    work();
+  }
+  catch (...)
+  {
+    mine = current_failure();
+  }
+  const int first = static_cast<int>(min_over_ranks(mine.code == success ? size : rank, communicator));
+  if (first == size)
+    return;
+  Failure agreed = mine;
+  int code = mine.code;
+  MPI_Bcast(&code, 1, MPI_INT, first, communicator);
+  agreed.code = static_cast<ExitCode>(code);
+  broadcast(agreed.path, first, communicator);
+  broadcast(agreed.message, first, communicator);
+  const bool by_all = min_over_ranks(agreed.message == mine.message, communicator) > 0.;
+  throw_again(agreed, by_all ? "" : fmt::format("rank {}: ", first));
+}
+
+bool fails_everywhere(const std::string& place)
+{
+  const int size = size_of(MPI_COMM_WORLD);
+  if (size == 1)
+    return true;
+  if (is_alone || channel == MPI_COMM_NULL)
+    return false;
+  static std::vector<unsigned int> all; // outlive this call: the last rank may come after it
+  static unsigned int here = 0;
+  const Failure failure = current_failure();
+  here = number_of(place + (failure.is_named ? failure.message : ""));
+  all.assign(size, 0);
+  MPI_Request request;
+  MPI_Iallgather(&here, 1, MPI_UNSIGNED, all.data(), 1, MPI_UNSIGNED, channel, &request);
+  const auto end = std::chrono::steady_clock::now() + patience;
+  int done = 0;
+  for (MPI_Test(&request, &done, MPI_STATUS_IGNORE); !done && std::chrono::steady_clock::now() < end;
+       MPI_Test(&request, &done, MPI_STATUS_IGNORE))
+    std::this_thread::sleep_for(pause);
+  is_alone = !done;
+  for (const unsigned int other : all)
+    is_alone = is_alone || other != here;
+  return !is_alone;
+}
+
+void rethrow_if_alone(const std::string& place)
+{
+  if (!fails_everywhere(place))
+    throw;
+}
+
+void abort_all_ranks(const Failure& failure)
+{
+  std::fflush(stdout);
+  const bool has_others = size_of(MPI_COMM_WORLD) > 1;
+  const std::string whose = has_others ? fmt::format("rank {}: ", rank_of(MPI_COMM_WORLD)) : "";
+  fmt::print(stderr, "kedge: {}{}\n", whose, failure.message);
+  std::fflush(stderr);
+  if (has_others)
+    MPI_Abort(MPI_COMM_WORLD, failure.code);
+  std::_Exit(failure.code);
+}
+
+void open_failure_channel()
+{
+  MPI_Comm_dup(MPI_COMM_WORLD, &channel);
+  std::set_terminate(abort_unless_caught);
+}
+
+void close_failure_channel() { MPI_Comm_free(&channel); }
+} // namespace kedge
