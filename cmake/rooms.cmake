@@ -26,7 +26,9 @@ add_library(kedge_options INTERFACE)
 target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
 target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter
   -Werror=switch # a switch over an enum must name every case
-  -Wno-maybe-uninitialized) # false alarms of GCC 12 inside Eigen and std::vector
+  -Wno-maybe-uninitialized # false alarms of GCC 12 inside Eigen and std::vector
+  # nobody reads errno or traps floating-point exceptions: so loops with roots and choices become vectors
+  -fno-math-errno -fno-trapping-math)
 if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()

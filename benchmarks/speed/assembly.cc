@@ -153,7 +153,7 @@ void newton_iteration(benchmark::State& state, const unsigned int law, const dou
 void time_step(benchmark::State& state, const unsigned int law, const double shift)
 {
   const Block block(law, shift);
-  const ParticlePath path = begin_path(block.particles.arrays());
+  const ParticlePath path = begin_path(block.particles.arrays(), 3, block.increment.extent(0) / 3);
   const NodalVector x = block.increment, v = block.system->make_nodal_vector(), f = block.force;
   double sign = 1e-3;
   for (auto _ : state)

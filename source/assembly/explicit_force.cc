@@ -7,16 +7,23 @@ namespace kedge
 {
 namespace
 {
+using Eigen::Matrix3d;
+
 /// Follows the path with one group of particles after the other, so that what they share is in the nearest cache.
 template <int dim> struct PathKernel
 {
   ParticleArrays particles;
   StencilSet stencils;
   Materials materials;
-  NodalVector increment;
   ParticlePath path;
-  NodalVector force;
   CellGroups cells;
+
+  /// A node's components in one register: three numbers and a fourth of no meaning.
+  static constexpr int packed = packed_components(dim);
+  using Packet = Eigen::Matrix<double, packed, 1>;
+
+  /// So many particles find their principal frames together, on the host in the lanes of vector registers.
+  static constexpr int width = std::is_same<MemorySpace, Kokkos::HostSpace>::value ? 4 : 1;
 
   /// Returns the number of inadmissible particles of a cell. The others share the mean J and the mean pressure.
   KEDGE_FUNCTION unsigned long follow_cell(const unsigned int c) const
@@ -25,98 +32,156 @@ template <int dim> struct PathKernel
     double before = 0., after = 0., stress = 0.;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-      write(path.deformation, p, dF);
-      const double J = determinant(dF), volume = integration_volume(particles, stencils, p);
-      if (J > 0.)
-      {
-        before += volume;
-        after += volume * J;
-      }
-      cells.volume_factor(p) = J;
+      const double J = deform(p), volume = integration_volume(particles, stencils, p);
+      before += J > 0. ? volume : 0.;
+      after += J > 0. ? volume * J : 0.;
     }
-    unsigned long inverted = 0;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const double J = cells.volume_factor(p);
-      cells.volume_factor(p) = J > 0. ? std::pow(after / (before * J), 1. / dim) : 1.;
-      if (advance(p, read(path.deformation, p), cells.volume_factor(p)))
-        stress += integration_volume(particles, stencils, p) * mean_stress<dim>(row_of(particles.trial_stress, p));
-      else
-        ++inverted;
+      const double J = path.volume_change(p);
+      cells.volume_factor(p) = J > 0. ? root(after / (before * J)) : 1.;
     }
-    for (unsigned int p = begin; p < end && inverted == 0; ++p)
+    unsigned long inverted = 0;
+    for (unsigned int p = begin; p < end; p += width)
+      inverted += advance([p](const unsigned int i) { return p + i; }, end - p,
+                          [&](const unsigned int i) { return cells.volume_factor(i); });
+    if (inverted > 0)
+      return inverted;
+    for (unsigned int p = begin; p < end; ++p)
+      stress += integration_volume(particles, stencils, p) * mean_stress<dim>(row_of(particles.trial_stress, p));
+    for (unsigned int p = begin; p < end; ++p)
     {
-      const Eigen::Matrix3d dF = read(path.deformation, p);
       cells.pressure(p) = stress / after;
-      add_internal_force<dim>(
-          particles, stencils, p,
-          with_mean_stress<dim>(row_of(particles.trial_stress, p), determinant(dF) * cells.pressure(p)), inverse(dF),
-          force);
+      add_force(p, with_mean_stress<dim>(row_of(particles.trial_stress, p), path.volume_change(p) * cells.pressure(p)));
+    }
+    return 0;
+  }
+
+  /// The same for `width` particles by themselves, in an order that visits nodes close in memory.
+  KEDGE_FUNCTION unsigned long follow_batch(const unsigned int first) const
+  {
+    const unsigned int rest = particles.n - first, n = rest < width ? rest : width;
+    const auto particle = [&](const unsigned int i) { return stencils.pattern_particles(first + i); };
+    for (unsigned int i = 0; i < n; ++i)
+      deform(particle(i));
+    const unsigned long inverted = advance(particle, n, [](const unsigned int) { return 1.; });
+    for (unsigned int i = 0; i < n; ++i)
+      if (path.volume_change(particle(i)) > 0.)
+        add_force(particle(i), row_of(particles.trial_stress, particle(i)));
+    return inverted;
+  }
+
+  /// Writes dF = 1 + sum over nodes of d_v (x) grad S_v and returns its determinant.
+  KEDGE_FUNCTION double deform(const unsigned int p) const
+  {
+    const ParticleNodes at = nodes_of(stencils, p);
+    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    Eigen::Matrix<double, packed, dim> f = Eigen::Matrix<double, packed, dim>::Identity();
+    for (unsigned int v = 0; v < at.n; ++v)
+    {
+      const Eigen::Map<const Packet> d(&path.increment(std::size_t(packed) * at.node[v]));
+      for (int j = 0; j < dim; ++j)
+        f.col(j) += gradient[dim * v + j] * d;
+    }
+    Matrix3d dF = Matrix3d::Identity();
+    dF.template topLeftCorner<dim, dim>() = f.template topRows<dim>();
+    write(path.deformation, p, dF);
+    return path.volume_change(p) = determinant(dF);
+  }
+
+  /// Brings up to `width` particles, `particle(i)` with i < n, to their dF, the dim x dim part times `factor(p)`, and
+  /// leaves its inverse in its place. Returns how many of them are inadmissible; these do not move on.
+  template <typename Particle, typename Factor>
+  KEDGE_FUNCTION unsigned long advance(const Particle& particle, const unsigned int n, const Factor& factor) const
+  {
+    PrincipalFrames<width> frames;
+    for (unsigned int i = 0; i < width; ++i)
+    {
+      const unsigned int p = particle(i < n ? i : 0);
+      const Matrix3d dF = read(path.deformation, p);
+      frames.set(i, internal::push_forward(stretched(dF, factor(p)), row_of(path.pulled_back, p)));
+    }
+    frames.find();
+    unsigned long inverted = 0;
+    for (unsigned int i = 0; i < width && i < n; ++i)
+    {
+      const unsigned int p = particle(i);
+      if (!(path.volume_change(p) > 0. && settle(p, frames.tensor_of(i), frames.frame_of(i), factor(p))))
+      {
+        path.volume_change(p) = 0.;
+        ++inverted;
+      }
     }
     return inverted;
   }
 
-  /// The same for a particle by itself.
-  KEDGE_FUNCTION unsigned long follow_particle(const unsigned int p) const
+  /// Goes on from the trial b; false where that is inadmissible.
+  KEDGE_FUNCTION bool settle(const unsigned int p, SymmetricTensor b, const PrincipalFrame& frame,
+                             const double factor) const
   {
-    const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-    if (!advance(p, dF, 1.))
-      return 1;
-    add_internal_force<dim>(particles, stencils, p, row_of(particles.trial_stress, p), inverse(dF), force);
-    return 0;
-  }
-
-  /// Brings a particle to dF, its dim x dim part times `factor`. The law sees the increment since the last point of the
-  /// path. False, and the path does not move on, if that is inadmissible.
-  KEDGE_FUNCTION bool advance(const unsigned int p, Eigen::Matrix3d dF, const double factor) const
-  {
-    if (!(determinant(dF) > 0.))
-      return false;
-    for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j)
-        dF(i, j) *= factor;
-    SymmetricTensor b = row_of(path.left_cauchy_green, p);
     double* state = &particles.trial_state(p, 0);
-    const StressUpdate update =
-        advance_stress(dF * read(path.inverse_deformation, p), b, {particles.young(p), particles.cell_size(p), state},
-                       materials(particles.layer(p)), state);
+    const StressUpdate update = advance_stress(frame, b, {particles.young(p), particles.cell_size(p), state},
+                                               materials(particles.layer(p)), state);
     if (update.status == Status::inverted)
       return false;
-    write(path.inverse_deformation, p, inverse(dF));
-    set_row(path.left_cauchy_green, p, b);
+    const Matrix3d to_start = inverse(read(path.deformation, p));
+    write(path.deformation, p, to_start);
+    if (update.status != Status::elastic)
+      set_row(path.pulled_back, p, internal::push_forward(stretched(to_start, 1. / factor), b));
     set_trial(particles, p, update, particles.trial_plastic(p) + update.plastic_increment);
     return true;
   }
 
-  KEDGE_FUNCTION static Eigen::Matrix3d read(const View<double* [9]>& view, const unsigned int p)
+  /// Adds V tau grad_x S, as add_internal_force() does.
+  KEDGE_FUNCTION void add_force(const unsigned int p, const SymmetricTensor& stress) const
   {
-    Eigen::Matrix3d m;
+    const Matrix3d flux =
+        integration_volume(particles, stencils, p) * full_matrix(stress) * read(path.deformation, p).transpose();
+    Eigen::Matrix<double, packed, dim> columns = Eigen::Matrix<double, packed, dim>::Zero();
+    columns.template topRows<dim>() = flux.template topLeftCorner<dim, dim>();
+    const ParticleNodes at = nodes_of(stencils, p);
+    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    for (unsigned int v = 0; v < at.n; ++v)
+    {
+      Packet f = gradient[dim * v] * columns.col(0);
+      for (int j = 1; j < dim; ++j)
+        f += gradient[dim * v + j] * columns.col(j);
+      add_to<packed>(&path.force(std::size_t(packed) * at.node[v]), f);
+    }
+  }
+
+  KEDGE_FUNCTION static double root(const double x) { return dim == 3 ? std::cbrt(x) : std::sqrt(x); }
+
+  KEDGE_FUNCTION static Matrix3d stretched(Matrix3d f, const double factor)
+  {
+    f.template topLeftCorner<dim, dim>() *= factor;
+    return f;
+  }
+
+  KEDGE_FUNCTION static Matrix3d read(const View<double* [9]>& view, const unsigned int p)
+  {
+    Matrix3d m;
     for (int i = 0; i < 9; ++i)
-      m(i / 3, i % 3) = view(p, i);
+      m(i % 3, i / 3) = view(p, i);
     return m;
   }
 
-  KEDGE_FUNCTION static void write(const View<double* [9]>& view, const unsigned int p, const Eigen::Matrix3d& m)
+  KEDGE_FUNCTION static void write(const View<double* [9]>& view, const unsigned int p, const Matrix3d& m)
   {
     for (int i = 0; i < 9; ++i)
-      view(p, i) = m(i / 3, i % 3);
+      view(p, i) = m(i % 3, i / 3);
   }
 };
 } // namespace
 
-ParticlePath begin_path(const ParticleArrays& particles)
+ParticlePath begin_path(const ParticleArrays& particles, const unsigned int dim, const std::size_t n_nodes)
 {
-  const ParticlePath path{View<double* [6]>("path b", particles.n), View<double* [9]>("path inverse dF", particles.n),
-                          View<double* [9]>("path dF", particles.n)};
-  Kokkos::deep_copy(path.left_cauchy_green, particles.elastic_left_cauchy_green);
+  const std::size_t n = particles.n, n_packed = n_nodes * packed_components(dim);
+  const ParticlePath path{View<double* [6]>("path b", n), View<double* [9]>("path dF", n), View<double*>("path J", n),
+                          View<double*>("path increment", n_packed), View<double*>("path force", n_packed)};
+  Kokkos::deep_copy(path.pulled_back, particles.elastic_left_cauchy_green);
   Kokkos::deep_copy(particles.trial_state, particles.state);
-  Kokkos::parallel_for(
-      "begin path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
-        for (int i = 0; i < 9; ++i)
-          path.inverse_deformation(p, i) = i % 4 == 0 ? 1. : 0.;
-        particles.trial_plastic(p) = 0.;
-      });
+  Kokkos::deep_copy(particles.trial_plastic, 0.);
   return path;
 }
 
@@ -125,21 +190,33 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
                                        const Materials& materials, const NodalVector& increment,
                                        const ParticlePath& path, const NodalVector& force, const CellGroups& cells)
 {
-  const PathKernel<dim> kernel{particles, stencils, materials, increment, path, force, cells};
+  constexpr int packed = packed_components(dim), width = PathKernel<dim>::width;
+  const std::size_t n_nodes = increment.extent(0) / dim;
+  Kokkos::parallel_for(
+      "pack", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
+        for (int i = 0; i < packed; ++i)
+        {
+          path.increment(packed * v + i) = i < dim ? increment(dim * v + i) : 0.;
+          path.force(packed * v + i) = 0.;
+        }
+      });
+  const PathKernel<dim> kernel{particles, stencils, materials, path, cells};
   unsigned long n_inverted = 0;
   if (cells.empty())
     Kokkos::parallel_reduce(
-        "follow path", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-        KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
-          // in an order that visits nodes close in memory
-          inverted += kernel.follow_particle(kernel.stencils.pattern_particles(i));
-        },
+        "follow path", Kokkos::RangePolicy<ExecutionSpace>(0, (particles.n + width - 1) / width),
+        KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) { inverted += kernel.follow_batch(width * i); },
         n_inverted);
   else
     Kokkos::parallel_reduce(
         "follow path by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
         KOKKOS_LAMBDA(const unsigned int c, unsigned long& inverted) { inverted += kernel.follow_cell(c); },
         n_inverted);
+  Kokkos::parallel_for(
+      "unpack", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
+        for (int i = 0; i < dim; ++i)
+          force(dim * v + i) += path.force(packed * v + i);
+      });
   return n_inverted;
 }
 

@@ -8,14 +8,13 @@ template <int dim>
 BodyLoads Contact<dim>::loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const
 {
   BodyLoads result(committed.points.size(), Vector6::Zero());
-  for (const Pair& pair : pairs)
-    if (pair.active)
-    {
-      const unsigned int point = committed.surfaces[pair.key.surface].point;
-      const Eigen::Vector3d arm = pair.position - committed.points[point].pose.moved(increments[point]).position;
-      result[point].template head<3>() -= pair.force;
-      result[point].template tail<3>() -= arm.cross(pair.force);
-    }
+  for (const Touch& touch : touching)
+  {
+    const unsigned int point = committed.surfaces[touch.surface].point;
+    const Eigen::Vector3d arm = touch.position - committed.points[point].pose.moved(increments[point]).position;
+    result[point].template head<3>() -= touch.force;
+    result[point].template tail<3>() -= arm.cross(touch.force);
+  }
   if (!result.empty())
     MPI_Allreduce(MPI_IN_PLACE, result.data(), 6 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
   return result;

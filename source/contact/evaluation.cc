@@ -129,7 +129,7 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
   const Eigen::Vector3d x = now.to_body(pair.position);
   pair.slip = x - before.to_body(pair.start); // as the body sees it
   pair.reference_gap = pair.committed.reference_gap;
-  if (!bonded)
+  if (!bonded && pair.reference_gap != 0.) // most have none
     fade(pair, now.to_world(before.to_body(pair.start)));
   // up to where the multiplier and the reference press
   const double held_off = pair.augmented.multiplier / pair.stiffness.normal + std::max(0., pair.reference_gap);

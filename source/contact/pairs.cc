@@ -119,6 +119,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
                               const double reach)
 {
   pairs.clear();
+  touching.clear();
   points = PointForces();
   waiting = history;
   // what is found inside a body for the first time has come there with its box, between two steps

@@ -167,7 +167,7 @@ template <int dim> void ExplicitStep<dim>::begin()
   increment = exchange.make_nodal_vector();
   force = exchange.make_nodal_vector();
   Kokkos::deep_copy(velocity, start_velocity);
-  path = begin_path(particles);
+  path = begin_path(particles, dim, basis.nodes.n_local());
   motion.reset();
   context.soil.contact().reset_multipliers(); // after a cut
   if (context.stage.rigid_bodies)

@@ -9,13 +9,17 @@ namespace kedge
 /// depend on the increment of the whole step alone. The laws' state variables are kept in the particles' trial state.
 struct ParticlePath
 {
-  View<double* [6]> left_cauchy_green;   ///< elastic, exp(2 eps_e)
-  View<double* [9]> inverse_deformation; ///< inverse of the dF since the start of the step that the law has seen
-  View<double* [9]> deformation;         ///< dF since the start of the step
+  View<double* [6]> pulled_back;  ///< dF^-1 b dF^-T of the elastic b, which an elastic increment does not change
+  View<double* [9]> deformation;  ///< dF since the start of the step, column by column; then its inverse
+  View<double*> volume_change;    ///< J = det dF
+  View<double*> increment, force; ///< nodal, packed_components() a node: m, N
 };
 
+/// Numbers a node in the path's nodal vectors: as many as fill a register, so that one instruction takes them all.
+constexpr int packed_components(const int dim) { return dim == 3 ? 4 : dim; }
+
 /// Starts a path at the committed state and copies this state to the trial state.
-ParticlePath begin_path(const ParticleArrays& particles);
+ParticlePath begin_path(const ParticleArrays& particles, unsigned int dim, std::size_t n_nodes);
 
 /// Moves every particle to the given nodal increments since the start of the step (m), writes its trial state and adds
 /// its internal force (N) to `force`. The plastic increments of a path add up. Returns the number of particles of this

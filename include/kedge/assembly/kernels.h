@@ -24,6 +24,21 @@ KEDGE_FUNCTION void add_to(double& target, const double value)
   Kokkos::atomic_add(&target, value);
 }
 
+/// The same for n numbers that are neighbours in memory.
+template <int n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<double, n, 1>& values)
+{
+#ifdef KOKKOS_ENABLE_SERIAL
+  if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
+  {
+    Eigen::Map<Eigen::Matrix<double, n, 1>> sum(target);
+    sum += values;
+    return;
+  }
+#endif
+  for (int i = 0; i < n; ++i)
+    Kokkos::atomic_add(target + i, values[i]);
+}
+
 /// The nodes that particle p sees and their S_v(p).
 struct ParticleNodes
 {

@@ -62,8 +62,8 @@ KEDGE_FUNCTION double isolated_root(const double h)
 /// Without iteration to convergence: the eigenvalue farthest from the others is a well-conditioned root of the
 /// characteristic polynomial of the deviator, its eigenvector a column of the adjugate, and what is left is the 2x2
 /// problem in the plane across it, solved by one Jacobi rotation. The same idea is found in Scherzinger & Dohrmann 2008
-/// (Comput. Methods Appl. Mech. Eng. 197).
-KEDGE_FUNCTION PrincipalFrame principal_frame(const SymmetricTensor& s)
+/// (Comput. Methods Appl. Mech. Eng. 197). Nor with branches, so that principal_frames() becomes vectors.
+KOKKOS_FORCEINLINE_FUNCTION PrincipalFrame principal_frame_of(const double (&s)[6])
 {
   const double mean = (s[0] + s[1] + s[2]) / 3.;
   // From differences: with s - mean the round-off of the mean would be all the deviator of a nearly isotropic tensor,
@@ -73,38 +73,32 @@ KEDGE_FUNCTION PrincipalFrame principal_frame(const SymmetricTensor& s)
                dz = (zx_difference - yz_difference) / 3.;
   const double p =
       std::sqrt((dx * dx + dy * dy + dz * dz + 2. * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5])) * (1. / 6.));
-  if (!(p > 1e-150)) // isotropic; squares of less would underflow
-    return {Eigen::Vector3d(s[0], s[1], s[2]), Eigen::Matrix3d::Identity()};
-
+  const bool isotropic = !(p > 1e-150); // squares of less would underflow
   const double scale = 1. / p;
   const double a = dx * scale, b = dy * scale, c = dz * scale;
   const double d = s[3] * scale, e = s[4] * scale, f = s[5] * scale; // xy, yz, xz
   const double half_determinant = 0.5 * (a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f));
-  const double root = std::copysign(isolated_root(std::fmin(1., std::fabs(half_determinant))), half_determinant);
+  const double size = std::fabs(half_determinant);
+  const double root = std::copysign(isolated_root(size < 1. ? size : 1.), half_determinant);
 
   // The adjugate of (deviator - root) is a positive multiple of v v^T: its largest column is a safe choice.
   const double ar = a - root, br = b - root, cr = c - root;
   const double xx = br * cr - e * e, yy = ar * cr - f * f, zz = ar * br - d * d;
   const double xy = e * f - d * cr, xz = d * e - f * br, yz = d * f - e * ar;
-  Eigen::Vector3d v;
-  if (xx >= yy && xx >= zz)
-    v = Eigen::Vector3d(xx, xy, xz);
-  else if (yy >= zz)
-    v = Eigen::Vector3d(xy, yy, yz);
-  else
-    v = Eigen::Vector3d(xz, yz, zz);
-  v *= 1. / std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  const bool first = xx >= yy && xx >= zz, second = yy >= zz;
+  double v[3] = {first ? xx : second ? xy : xz, first ? xy : second ? yy : yz, first ? xz : second ? yz : zz};
+  const double normalise = 1. / std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  for (double& component : v)
+    component *= normalise;
 
   // Two unit vectors across v without a square root (Duff et al. 2017, J. Comput. Graph. Tech. 6(1)).
   const double sign = std::copysign(1., v[2]);
   const double q = -1. / (sign + v[2]);
   const double r = v[0] * v[1] * q;
-  const Eigen::Vector3d g(1. + sign * v[0] * v[0] * q, sign * r, -sign * v[0]);
-  const Eigen::Vector3d h(r, sign + v[1] * v[1] * q, -v[1]);
-  const Eigen::Vector3d dg(a * g[0] + d * g[1] + f * g[2], d * g[0] + b * g[1] + e * g[2],
-                           f * g[0] + e * g[1] + c * g[2]);
-  const Eigen::Vector3d dh(a * h[0] + d * h[1] + f * h[2], d * h[0] + b * h[1] + e * h[2],
-                           f * h[0] + e * h[1] + c * h[2]);
+  const double g[3] = {1. + sign * v[0] * v[0] * q, sign * r, -sign * v[0]};
+  const double h[3] = {r, sign + v[1] * v[1] * q, -v[1]};
+  const double dg[3] = {a * g[0] + d * g[1] + f * g[2], d * g[0] + b * g[1] + e * g[2], f * g[0] + e * g[1] + c * g[2]};
+  const double dh[3] = {a * h[0] + d * h[1] + f * h[2], d * h[0] + b * h[1] + e * h[2], f * h[0] + e * h[1] + c * h[2]};
   const double gg = g[0] * dg[0] + g[1] * dg[1] + g[2] * dg[2];
   const double gh = g[0] * dh[0] + g[1] * dh[1] + g[2] * dh[2];
   const double hh = h[0] * dh[0] + h[1] * dh[1] + h[2] * dh[2];
@@ -112,16 +106,73 @@ KEDGE_FUNCTION PrincipalFrame principal_frame(const SymmetricTensor& s)
   const double half_difference = 0.5 * (gg - hh);
   const double denominator =
       half_difference + std::copysign(std::sqrt(half_difference * half_difference + gh * gh), half_difference);
-  const double tangent = denominator != 0. ? gh / denominator : 0.;
+  const double quotient = gh / denominator, tangent = denominator != 0. ? quotient : 0.;
   const double cosine = 1. / std::sqrt(1. + tangent * tangent), sine = tangent * cosine;
 
   PrincipalFrame frame;
-  frame.directions.col(0) = cosine * g + sine * h;
-  frame.directions.col(1) = cosine * h - sine * g;
-  frame.directions.col(2) = v;
-  frame.values = Eigen::Vector3d(mean + p * (gg + tangent * gh), mean + p * (hh - tangent * gh), mean + p * root);
+  frame.values[0] = isotropic ? s[0] : mean + p * (gg + tangent * gh);
+  frame.values[1] = isotropic ? s[1] : mean + p * (hh - tangent * gh);
+  frame.values[2] = isotropic ? s[2] : mean + p * root;
+  for (int i = 0; i < 3; ++i)
+  {
+    frame.directions(i, 0) = isotropic ? i == 0 : cosine * g[i] + sine * h[i];
+    frame.directions(i, 1) = isotropic ? i == 1 : cosine * h[i] - sine * g[i];
+    frame.directions(i, 2) = isotropic ? i == 2 : v[i];
+  }
   return frame;
 }
+
+KEDGE_FUNCTION PrincipalFrame principal_frame(const SymmetricTensor& s)
+{
+  return principal_frame_of({s[0], s[1], s[2], s[3], s[4], s[5]});
+}
+
+/// Several tensors and their frames, number by number, which is the layout of vector registers.
+template <int width> struct PrincipalFrames
+{
+  double tensor[6][width], values[3][width], directions[3][3][width];
+
+  KEDGE_FUNCTION void find()
+  {
+    for (int l = 0; l < width; ++l)
+    {
+      const PrincipalFrame frame =
+          principal_frame_of({tensor[0][l], tensor[1][l], tensor[2][l], tensor[3][l], tensor[4][l], tensor[5][l]});
+      for (int i = 0; i < 3; ++i)
+      {
+        values[i][l] = frame.values[i];
+        for (int j = 0; j < 3; ++j)
+          directions[i][j][l] = frame.directions(i, j);
+      }
+    }
+  }
+
+  KEDGE_FUNCTION void set(const int l, const SymmetricTensor& s)
+  {
+    for (int i = 0; i < 6; ++i)
+      tensor[i][l] = s[i];
+  }
+
+  KEDGE_FUNCTION SymmetricTensor tensor_of(const int l) const
+  {
+    SymmetricTensor s;
+    for (int i = 0; i < 6; ++i)
+      s[i] = tensor[i][l];
+    return s;
+  }
+
+  KEDGE_FUNCTION PrincipalFrame frame_of(const int l) const
+  {
+    PrincipalFrame frame;
+    for (int i = 0; i < 3; ++i)
+    {
+      frame.values[i] = values[i][l];
+      for (int j = 0; j < 3; ++j)
+        frame.directions(i, j) = directions[i][j][l];
+    }
+    return frame;
+  }
+};
 
 /// Logarithmic strain 1/2 ln b of a left Cauchy-Green tensor b.
 KEDGE_FUNCTION SymmetricTensor logarithmic_strain(const SymmetricTensor& left_cauchy_green)

@@ -87,22 +87,13 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
   return pushed;
 }
 
+/// `pushed` is the trial b, `frame` its principal frame.
 template <bool with_tangent>
-KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const MaterialPoint& point, const Material& material, double* next_state,
-                                          SpatialTangent* tangent, SymmetricTensor* next_b = nullptr,
-                                          const double elastic_share = 0.)
+KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const SymmetricTensor& pushed,
+                                             const MaterialPoint& point, const Material& material, double* next_state,
+                                             SpatialTangent* tangent, SymmetricTensor* next_b,
+                                             const double elastic_share)
 {
-  const SymmetricTensor pushed = push_forward(increment, b);
-  const PrincipalFrame frame = principal_frame(pushed);
-  const double least = std::fmin(frame.values[0], std::fmin(frame.values[1], frame.values[2]));
-  if (!(determinant(increment) > 0. && least > 0.))
-  {
-    if constexpr (with_tangent)
-      for (double& entry : tangent->value)
-        entry = 0.;
-    return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
-  }
   const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
                                      0.5 * std::log(frame.values[2]));
   Response response = respond<with_tangent>(trial_strain, point, material, next_state);
@@ -123,6 +114,26 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   return {from_principal(response.stress, frame.directions), from_principal(response.elastic_strain, frame.directions),
           response.plastic_increment, response.status};
 }
+
+KEDGE_FUNCTION bool all_positive(const Eigen::Vector3d& values)
+{
+  return values[0] > 0. && values[1] > 0. && values[2] > 0.;
+}
+
+template <bool with_tangent>
+KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
+                                          const MaterialPoint& point, const Material& material, double* next_state,
+                                          SpatialTangent* tangent, const double elastic_share = 0.)
+{
+  const SymmetricTensor pushed = push_forward(increment, b);
+  const PrincipalFrame frame = principal_frame(pushed);
+  if (determinant(increment) > 0. && all_positive(frame.values))
+    return update_stress_in<with_tangent>(frame, pushed, point, material, next_state, tangent, nullptr, elastic_share);
+  if constexpr (with_tangent)
+    for (double& entry : tangent->value)
+      entry = 0.;
+  return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
+}
 } // namespace internal
 
 /// The state after the trial increment of the deformation gradient. `b` is the committed elastic left Cauchy-Green
@@ -140,14 +151,16 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
                                           const MaterialPoint& point, const Material& material, double* next_state,
                                           SpatialTangent& tangent, const double elastic_share = 0.)
 {
-  return internal::update_stress<true>(increment, b, point, material, next_state, &tangent, nullptr, elastic_share);
+  return internal::update_stress<true>(increment, b, point, material, next_state, &tangent, elastic_share);
 }
 
-/// The same without a tangent for a path of many increments: `b` becomes the one that the next increment goes on from,
-/// and stays as it is where this one is inverted.
-KEDGE_FUNCTION StressUpdate advance_stress(const Eigen::Matrix3d& increment, SymmetricTensor& b,
-                                           const MaterialPoint& point, const Material& material, double* next_state)
+/// The same without a tangent for a path of many increments, where the trial b and its principal frame are known: `b`
+/// becomes the one that the path goes on from, and stays as it is where it is inverted.
+KEDGE_FUNCTION StressUpdate advance_stress(const PrincipalFrame& frame, SymmetricTensor& b, const MaterialPoint& point,
+                                           const Material& material, double* next_state)
 {
-  return internal::update_stress<false>(increment, b, point, material, next_state, nullptr, &b);
+  if (!internal::all_positive(frame.values))
+    return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
+  return internal::update_stress_in<false>(frame, b, point, material, next_state, nullptr, &b, 0.);
 }
 } // namespace kedge

@@ -20,7 +20,7 @@ public:
   {
     const auto system = block.parts->make_system();
     const TpetraVector whole = block.parts->owned(*system, test::Block<dim>::random_field(strain, 5));
-    const ParticlePath path = begin_path(block.particles.arrays());
+    const ParticlePath path = begin_path(block.particles.arrays(), dim, block.parts->nodes.n_local());
     NodalVector force;
     for (const double share : shares)
     {
