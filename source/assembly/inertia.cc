@@ -124,10 +124,9 @@ NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, con
 {
   system.zero_constrained(right_side);
   TpetraVector solution(system.graph().row_map);
-  const auto product = Teuchos::rcp(
-      new NodalOperator(system, [&](const NodalVector& x, const NodalVector& y) { add_mass_times(graph, mass, 1., x, y); }));
-  if (!solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution,
-                               projection_tolerance) &&
+  const auto product = Teuchos::rcp(new NodalOperator(system, [&](const NodalVector& x, const NodalVector& y)
+                                                      { add_mass_times(graph, mass, 1., x, y); }));
+  if (!solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution, projection_tolerance) &&
       !(relative_residual(*product, right_side, solution) < loosest_projection))
     throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
                       "conditioned; increase \"ghost factor mass\" or set \"mass\": \"lumped\"",

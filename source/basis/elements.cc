@@ -38,7 +38,8 @@ void append_gradients(const LeafTable<dim>& table, const unsigned int leaf, cons
     {
       order.resize(shares.size());
       std::iota(order.begin(), order.end(), 0u);
-      std::sort(order.begin(), order.end(), [&](const unsigned int a, const unsigned int b)
+      std::sort(order.begin(), order.end(),
+                [&](const unsigned int a, const unsigned int b)
                 { return number[shares[a].node] < number[shares[b].node]; });
       for (const unsigned int i : order)
         nodes.push_back(number[shares[i].node]);

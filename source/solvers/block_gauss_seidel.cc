@@ -11,8 +11,7 @@ using Lanes = Eigen::Array<double, 4, 1>;
 using StoredLanes = Eigen::Map<const Eigen::Array<float, 4, 1>>;
 
 /// sum -= block x
-template <int size>
-[[gnu::always_inline]] inline void subtract_product(const float* block, const double* x, Lanes& sum)
+template <int size> [[gnu::always_inline]] inline void subtract_product(const float* block, const double* x, Lanes& sum)
 {
   for (int k = 0; k < size; ++k)
     sum -= x[k] * StoredLanes(block + 4 * k).cast<double>();

@@ -22,7 +22,7 @@ constexpr std::size_t always_direct_below = 2000;
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 /// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
 constexpr double almost_zero = 1e-10;
-constexpr double least_diagonal = 0.1; // as a share of the other entries of the row
+constexpr double least_diagonal = 0.1;      // as a share of the other entries of the row
 constexpr unsigned int worth_a_rebuild = 9; // iterations that cost about as much as a new hierarchy
 constexpr double forgetting = 0.9;          // factor on the expected waste per solve with a new hierarchy
 
@@ -150,7 +150,8 @@ struct LinearSolver::Implementation
   {
     x.putScalar(0.);
     auto problem = Teuchos::rcp(new Belos::LinearProblem<double, MultiVector, Operator>(
-        eliminated.is_null() ? system.product : eliminated, Teuchos::rcpFromRef<MultiVector>(x), Teuchos::rcpFromRef<const MultiVector>(b)));
+        eliminated.is_null() ? system.product : eliminated, Teuchos::rcpFromRef<MultiVector>(x),
+        Teuchos::rcpFromRef<const MultiVector>(b)));
     problem->setRightPrec(hierarchy);
     problem->setProblem();
     const auto list = Teuchos::parameterList();

@@ -41,7 +41,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("rap: fix zero diagonals", true);
   list.set("max levels", 6);
   list.set("rap: triple product", false); // three times as slow as two products in Trilinos 13
-  list.set("reuse: type", "none"); // other types of Trilinos 13 fail if the pattern of a coarse matrix changes
+  list.set("reuse: type", "none");        // other types of Trilinos 13 fail if the pattern of a coarse matrix changes
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");

@@ -41,7 +41,8 @@ template <int dim> void ImplicitStep<dim>::set_up_systems(const std::vector<unsi
   LinearSystem linear;
   linear.product = Teuchos::rcp(new NodalOperator(
       *system, [this](const NodalVector& direction, const NodalVector& result) { add_product(direction, result); }));
-  linear.near_null_space = make_rigid_body_modes(system->graph().row_map, dim, find_node_places().position, constrained);
+  linear.near_null_space =
+      make_rigid_body_modes(system->graph().row_map, dim, find_node_places().position, constrained);
   linear.near = [this] { return assemble_near(); };
   linear.whole = [this] { return assemble_whole(); };
   linear_solver.set_structure(linear);
@@ -54,16 +55,14 @@ template <int dim> void ImplicitStep<dim>::linearise(const double elastic_share)
   damping = elastic_share;
   if (factorises)
     return;
-  force_derivative =
-      linearise_force<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(),
-                           local_increment, basis.cells, elastic_share, force_derivative);
+  force_derivative = linearise_force<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(),
+                                          local_increment, basis.cells, elastic_share, force_derivative);
   ghost_derivative = linearise_ghost<dim>(basis.ghost_faces, local_increment);
   if (context.stage.rigid_bodies)
     contact_derivative = linearise_points(context.soil.contact().points_of_last_evaluation());
 }
 
-template <int dim>
-void ImplicitStep<dim>::add_product(const NodalVector& direction, const NodalVector& result) const
+template <int dim> void ImplicitStep<dim>::add_product(const NodalVector& direction, const NodalVector& result) const
 {
   add_linearised_force<dim>(basis.stencils, basis.cells, force_derivative, direction, result);
   add_linearised_ghost<dim>(basis.ghost_faces, ghost_derivative, direction, result);

@@ -29,7 +29,7 @@ void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, c
 /// The derivative of that force, held by face.
 struct LinearisedGhost
 {
-  View<double*> pull;               ///< J u of every node, dim numbers each, laid out as faces.nodes
+  View<double*> pull;              ///< J u of every node, dim numbers each, laid out as faces.nodes
   View<double*> secant, softening; ///< by face
 };
 

@@ -15,8 +15,8 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
 void add_mass_times(const NodeGraph& graph, const NodalMass& mass, double factor, const NodalVector& x,
                     const NodalVector& result);
 
-/// Adds factor * M to the diagonals of the blocks of `values`, laid out by `graph`; what its rows have no column for goes
-/// to their diagonal. `mass_graph` is that of M.
+/// Adds factor * M to the diagonals of the blocks of `values`, laid out by `graph`; what its rows have no column for
+/// goes to their diagonal. `mass_graph` is that of M.
 void add_mass_matrix(const NodeGraph& mass_graph, const NodalMass& mass, double factor, const NodeGraph& graph,
                      const View<double*>& values);
 

@@ -24,9 +24,9 @@ struct LinearisedForce
 /// damping, yielding particles get at least `elastic_share` of their elastic moduli in addition. `previous` lends its
 /// memory.
 template <int dim>
-LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils,
-                                const Materials& materials, const NodalVector& increment, const CellGroups& cells,
-                                double elastic_share, LinearisedForce previous = {});
+LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
+                                const NodalVector& increment, const CellGroups& cells, double elastic_share,
+                                LinearisedForce previous = {});
 
 /// Adds the derivative times `direction` (m) to `force` (N).
 template <int dim>

@@ -61,7 +61,7 @@ struct PointDilation
 /// The same for all particles.
 struct DilationModuli
 {
-  View<double* [9]> stress, volume;
+  View<double*[9]> stress, volume;
   View<double*> compliance;
 
   KEDGE_FUNCTION void set(const unsigned int p, const PointDilation& dilation) const

@@ -81,8 +81,8 @@ template <int dim> struct BoxParts
 
 /// Builds the stencils of all particles. `leaf_of_particle` serves only to find equal patterns; particles of one leaf
 /// must be consecutive. With `point_basis` every box shrinks to its centre (standard MPM). `corrections`, one per leaf
-/// or none, are those of the quadrature of full cells. `parts` receives the overlaps, if it is given. Throws SolverError
-/// if a particle lies outside the window.
+/// or none, are those of the quadrature of full cells. `parts` receives the overlaps, if it is given. Throws
+/// SolverError if a particle lies outside the window.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                             const std::vector<std::array<double, dim>>& half_width,

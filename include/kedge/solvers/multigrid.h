@@ -14,8 +14,8 @@ public:
   /// `near_null_space`: rigid body modes as columns, on the row map. `strong` takes longer and serves where the other
   /// fails. Null if no hierarchy is found. Collective.
   static Teuchos::RCP<Multigrid> build(const Teuchos::RCP<TpetraMatrix>& matrix,
-                                       const Teuchos::RCP<TpetraMultiVector>& near_null_space,
-                                       unsigned int block_size, bool strong);
+                                       const Teuchos::RCP<TpetraMultiVector>& near_null_space, unsigned int block_size,
+                                       bool strong);
   ~Multigrid() override;
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;

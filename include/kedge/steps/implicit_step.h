@@ -66,7 +66,7 @@ private:
 
   StepContext<dim> context;
   StepBasis basis;
-  NodalMotion motion; ///< at the start of the step; empty in static stages
+  NodalMotion motion;                     ///< at the start of the step; empty in static stages
   std::vector<unsigned char> constrained; ///< dofs of the local nodes
   bool factorises = false;                ///< every system at once: then the matrix of `system` is the tangent
   std::unique_ptr<System> system;         ///< else that of the preconditioner

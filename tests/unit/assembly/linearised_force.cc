@@ -35,9 +35,9 @@ public:
   void assemble_elements()
   {
     const Elements elements = block->parts->make_elements(block->mesh, block->particles, cells);
-    element_system = std::make_unique<System>(
-        dim, block->parts->numbering(), std::vector<NodeLists>{{elements.node_begin, elements.nodes}},
-        std::vector<unsigned char>(dim * block->parts->nodes.n_local(), 0));
+    element_system = std::make_unique<System>(dim, block->parts->numbering(),
+                                              std::vector<NodeLists>{{elements.node_begin, elements.nodes}},
+                                              std::vector<unsigned char>(dim * block->parts->nodes.n_local(), 0));
     element_system->clear_matrix();
     add_element_stiffness<dim>(elements, cells, derivative, element_system->graph(), element_system->values());
     element_system->finish_matrix();
@@ -102,11 +102,9 @@ TYPED_TEST(LinearisedForceOf, ConstrainedDofsIsTheIdentity)
   for (unsigned int v = 0; v < this->block->parts->nodes.n_local(); ++v)
     constrained[dim * v] = this->block->parts->position[v][0] == 0.;
   const auto held = this->block->parts->make_system(constrained);
-  const NodalOperator operator_(*held,
-                                [this](const NodalVector& direction, const NodalVector& result) {
-                                  add_linearised_force<dim>(this->block->parts->stencils, {}, this->derivative,
-                                                            direction, result);
-                                });
+  const NodalOperator operator_(
+      *held, [this](const NodalVector& direction, const NodalVector& result)
+      { add_linearised_force<dim>(this->block->parts->stencils, {}, this->derivative, direction, result); });
   TpetraVector only_held(held->graph().row_map);
   const auto on_held = [](const std::array<double, dim>& x, const unsigned int d)
   { return d == 0 && x[0] == 0. ? 3. : 0.; };
