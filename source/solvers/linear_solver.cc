@@ -307,11 +307,12 @@ bool solve_positive_definite(const Teuchos::RCP<const TpetraOperator>& product, 
   }
 }
 
-void bound_diagonal(TpetraMatrix& matrix)
+void reinforce_diagonal(TpetraMatrix& matrix)
 {
   const auto local = matrix.getLocalMatrixDevice();
   Kokkos::parallel_for(
-      "bound diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()), KOKKOS_LAMBDA(const std::size_t row) {
+      "reinforce diagonal", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()),
+      KOKKOS_LAMBDA(const std::size_t row) {
         std::size_t at_diagonal = local.graph.row_map(row);
         double others = 0.;
         for (std::size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
@@ -319,8 +320,8 @@ void bound_diagonal(TpetraMatrix& matrix)
             at_diagonal = k;
           else
             others += std::fabs(local.values(k));
-        if (local.values(at_diagonal) < least_diagonal * others)
-          local.values(at_diagonal) = least_diagonal * others;
+        const double bounded = std::fmax(local.values(at_diagonal), least_diagonal * others);
+        local.values(at_diagonal) = bounded + reinforcement * others;
       });
 }
 

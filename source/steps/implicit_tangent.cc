@@ -89,7 +89,7 @@ template <int dim> Teuchos::RCP<TpetraMatrix> ImplicitStep<dim>::assemble_near()
   system->clear_matrix();
   add_element_stiffness<dim>(basis.elements, basis.cells, force_derivative, system->graph(), system->values());
   finish_matrix(*system);
-  bound_diagonal(*system->matrix());
+  reinforce_diagonal(*system->matrix());
   return system->matrix();
 }
 

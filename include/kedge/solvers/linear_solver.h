@@ -61,9 +61,10 @@ private:
 bool solve_positive_definite(const Teuchos::RCP<const TpetraOperator>& product, const TpetraVector& diagonal,
                              const TpetraVector& right_side, TpetraVector& x, double relative_tolerance);
 
-/// Raises diagonal entries to a tenth of the other entries of their row. Soil with a non-associated flow rule has rows
-/// with smaller and even negative diagonals, on which Gauss-Seidel diverges; a preconditioner does not suffer.
-void bound_diagonal(TpetraMatrix& matrix);
+/// Prepares a matrix for the smoothers of a preconditioner: raises diagonal entries to a tenth of the other entries of
+/// their row, and all by a fiftieth of these. Soil with a non-associated flow rule has rows with smaller and even
+/// negative diagonals, on which Gauss-Seidel diverges.
+void reinforce_diagonal(TpetraMatrix& matrix);
 
 /// Rigid body modes of the nodes at `position` (dim per node, m): translations, then rotations about the centre. Dofs
 /// with `constrained[dof] != 0` get almost zero. `map` has the dofs of these nodes in the same order.
