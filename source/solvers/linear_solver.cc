@@ -22,7 +22,9 @@ constexpr std::size_t always_direct_below = 2000;
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 /// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
 constexpr double almost_zero = 1e-10;
-constexpr double least_diagonal = 0.1;      // as a share of the other entries of the row
+/// Shares of the other entries of a row: what its diagonal has at least, and what it gets in addition. On a plate
+/// pulled through sand, shares of 0.01 to 0.05 save a sixth of GMRES's iterations.
+constexpr double least_diagonal = 0.1, reinforcement = 0.02;
 constexpr unsigned int worth_a_rebuild = 9; // iterations that cost about as much as a new hierarchy
 constexpr double forgetting = 0.9;          // factor on the expected waste per solve with a new hierarchy
 
