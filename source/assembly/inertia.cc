@@ -56,8 +56,11 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
         for (unsigned int a = 0; a < n; ++a)
         {
           const unsigned int row = stencils.pattern_nodes(first + a);
+          std::size_t at = lumped ? find_entry(row_begin, column, row, row) : row_begin(row);
           for (unsigned int b = lumped ? a : 0; b < (lumped ? a + 1 : n); ++b)
           {
+            while (column(at) != stencils.pattern_nodes(first + b)) // both lists ascend
+              ++at;
             double sum = 0.;
             for (unsigned int i = begin; i < end; ++i)
             {
@@ -65,7 +68,7 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
               const double* value = &stencils.value(stencils.value_begin(p));
               sum += particles.mass(p) * value[a] * (lumped ? 1. : value[b]);
             }
-            add_to(mass(find_entry(row_begin, column, row, stencils.pattern_nodes(first + b))), sum);
+            add_to(mass(at), sum);
           }
         }
       });
@@ -79,13 +82,12 @@ void add_mass_times(const NodeGraph& graph, const NodalMass& mass, const double 
   const unsigned int dim = graph.dim;
   Kokkos::parallel_for(
       "mass times vector", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        double sum[3] = {0., 0., 0.};
+        for (std::size_t k = row_begin(row); k < row_begin(row + 1); ++k)
+          for (unsigned int c = 0; c < dim; ++c)
+            sum[c] += mass(k) * x(static_cast<std::size_t>(dim) * column(k) + c);
         for (unsigned int c = 0; c < dim; ++c)
-        {
-          double sum = 0.;
-          for (std::size_t k = row_begin(row); k < row_begin(row + 1); ++k)
-            sum += mass(k) * x(static_cast<std::size_t>(dim) * column(k) + c);
-          result(static_cast<std::size_t>(dim) * row + c) += factor * sum;
-        }
+          result(static_cast<std::size_t>(dim) * row + c) += factor * sum[c];
       });
 }
 
