@@ -173,7 +173,8 @@ TYPED_TEST(FBar, SharesTheVolumeChangeInExplicitSteps)
   const CellGroups& cells = this->block.parts->cells;
   const NodalVector field = this->block.parts->nodal(this->block.random_field(0.1, 1));
   ASSERT_EQ(advance_stress_and_force<dim>(arrays, this->block.parts->stencils, this->block.materials, field,
-                                          begin_path(arrays, dim, this->block.parts->nodes.n_local()), this->system->make_nodal_vector(), cells),
+                                          begin_path(arrays, dim, this->block.parts->nodes.n_local()),
+                                          this->system->make_nodal_vector(), cells),
             0u);
   const auto f =
       on_host(interpolate_increments<dim>(arrays, this->block.parts->stencils, field, cells).deformation_gradient);
