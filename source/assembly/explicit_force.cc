@@ -191,7 +191,7 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
                                        const ParticlePath& path, const NodalVector& force, const CellGroups& cells)
 {
   constexpr int packed = packed_components(dim), width = PathKernel<dim>::width;
-  const std::size_t n_nodes = increment.extent(0) / dim;
+  const std::size_t n_nodes = path.increment.extent(0) / packed; // that particles see; the vectors may have more
   Kokkos::parallel_for(
       "pack", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
         for (int i = 0; i < packed; ++i)

@@ -18,7 +18,8 @@ struct ParticlePath
 /// Numbers a node in the path's nodal vectors: as many as fill a register, so that one instruction takes them all.
 constexpr int packed_components(const int dim) { return dim == 3 ? 4 : dim; }
 
-/// Starts a path at the committed state and copies this state to the trial state.
+/// Starts a path at the committed state and copies this state to the trial state. `n_nodes`: those of this rank that
+/// particles see, the first ones of the nodal vectors.
 ParticlePath begin_path(const ParticleArrays& particles, unsigned int dim, std::size_t n_nodes);
 
 /// Moves every particle to the given nodal increments since the start of the step (m), writes its trial state and adds
