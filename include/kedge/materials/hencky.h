@@ -62,7 +62,7 @@ KEDGE_FUNCTION double isolated_root(const double h)
 /// Without iteration to convergence: the eigenvalue farthest from the others is a well-conditioned root of the
 /// characteristic polynomial of the deviator, its eigenvector a column of the adjugate, and what is left is the 2x2
 /// problem in the plane across it, solved by one Jacobi rotation. The same idea is found in Scherzinger & Dohrmann 2008
-/// (Comput. Methods Appl. Mech. Eng. 197). Nor with branches, so that principal_frames() becomes vectors.
+/// (Comput. Methods Appl. Mech. Eng. 197). Nor with branches, so that PrincipalFrames finds several at once in vectors.
 KOKKOS_FORCEINLINE_FUNCTION PrincipalFrame principal_frame_of(const double (&s)[6])
 {
   const double mean = (s[0] + s[1] + s[2]) / 3.;
