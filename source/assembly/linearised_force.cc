@@ -143,7 +143,7 @@ template <int dim> struct ProductKernel
   CellGroups cells;
   LinearisedForce derivative;
   NodalVector direction;
-  View<double * [Lanes<dim>::size]> force; ///< by local node
+  View<double*> force; ///< `lanes` numbers per local node
 
   using Row = typename Lanes<dim>::Type;
   static constexpr int size = dim * dim, lanes = Lanes<dim>::size;
@@ -235,22 +235,8 @@ template <int dim> struct ProductKernel
       Row f = w[0] * gradient[dim * v];
       for (int m = 1; m < dim; ++m)
         f += w[m] * gradient[dim * v + m];
-      add_lanes(at.node[v], f);
+      add_to<lanes>(&force(std::size_t(lanes) * at.node[v]), f.matrix());
     }
-  }
-
-  KEDGE_FUNCTION void add_lanes(const unsigned int node, const Row& f) const
-  {
-#ifdef KOKKOS_ENABLE_SERIAL
-    if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
-    {
-      Eigen::Map<Row> sum(&force(node, 0));
-      sum += f;
-      return;
-    }
-#endif
-    for (int i = 0; i < dim; ++i)
-      Kokkos::atomic_add(&force(node, i), f[i]);
   }
 };
 } // namespace
@@ -285,7 +271,8 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
                           const NodalVector& direction, const NodalVector& force)
 {
   const std::size_t n_nodes = force.extent(0) / dim;
-  const View<double * [Lanes<dim>::size]> sums("force in lanes", n_nodes);
+  constexpr int lanes = Lanes<dim>::size;
+  const View<double*> sums("force in lanes", lanes * n_nodes);
   const ProductKernel<dim> kernel{stencils, cells, derivative, direction, sums};
   if (cells.empty())
     Kokkos::parallel_for(
@@ -296,7 +283,7 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
   Kokkos::parallel_for(
       "sum product", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
         for (int i = 0; i < dim; ++i)
-          force(dim * v + i) += sums(v, i);
+          force(dim * v + i) += sums(lanes * v + i);
       });
 }
 
