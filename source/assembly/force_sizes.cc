@@ -1,18 +1,17 @@
 #include <cmath>
 #include <kedge/assembly/force_sizes.h>
-#include <kedge/assembly/kernels.h>
+#include <kedge/assembly/deformation.h>
 
 namespace kedge
 {
 template <int dim>
-void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& increment,
-                              const NodalVector& size)
+void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& size)
 {
   Kokkos::parallel_for(
       "sizes of internal forces", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i) {
         const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
-        const Eigen::Matrix3d to_start = inverse(deformation_increment<dim>(stencils, increment, p));
+        const Eigen::Matrix3d to_start = inverse(trial_deformation(particles, p));
         const Eigen::Matrix3d flux = integration_volume(particles, stencils, p) *
                                      full_matrix(row_of(particles.trial_stress, p)) * to_start.transpose();
         const ParticleNodes at = nodes_of(stencils, p);
@@ -57,8 +56,6 @@ void add_force_sizes(const unsigned int dim, const NodalVector& force, const Nod
       });
 }
 
-template void add_internal_force_sizes<2>(const ParticleArrays&, const StencilSet&, const NodalVector&,
-                                          const NodalVector&);
-template void add_internal_force_sizes<3>(const ParticleArrays&, const StencilSet&, const NodalVector&,
-                                          const NodalVector&);
+template void add_internal_force_sizes<2>(const ParticleArrays&, const StencilSet&, const NodalVector&);
+template void add_internal_force_sizes<3>(const ParticleArrays&, const StencilSet&, const NodalVector&);
 } // namespace kedge

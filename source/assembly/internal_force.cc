@@ -1,5 +1,5 @@
+#include <kedge/assembly/deformation.h>
 #include <kedge/assembly/internal_force.h>
-#include <kedge/assembly/kernels.h>
 #include <kedge/assembly/volume_average.h>
 
 namespace kedge
@@ -9,18 +9,18 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
                                       const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force, const CellGroups& cells)
 {
-  share_pressure<dim>(particles, stencils, cells, materials, increment);
+  deform<dim>(particles, stencils, increment);
+  share_pressure<dim>(particles, stencils, cells, materials);
   const View<double*> factor = cells.volume_factor, pressure = cells.pressure;
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
-        const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-        const StressUpdate update =
-            update_stress(stretch<dim>(dF, factor, p), row_of(particles.elastic_left_cauchy_green, p),
-                          {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
-                          materials(particles.layer(p)), &particles.trial_state(p, 0));
+        const Eigen::Matrix3d dF = trial_deformation(particles, p);
+        const StressUpdate update = update_stress(
+            trial_frame<dim>(particles, factor, p), {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
+            materials(particles.layer(p)), &particles.trial_state(p, 0));
         if (update.status == Status::inverted)
         {
           ++inverted;

@@ -15,14 +15,13 @@ template <int dim> struct CellTerms
 template <int dim> struct LineariseKernel
 {
   PointTangents<dim> points;
-  NodalVector increment;
   LinearisedForce derivative;
 
   KEDGE_FUNCTION void particle(const unsigned int p) const
   {
-    const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
+    const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
     SpatialTangent tangent;
-    points.evaluate(p, dF, tangent);
+    points.evaluate(p, determinant(dF), tangent);
     store(p, pull_back(tangent, dF, integration_volume(points.particles, points.stencils, p)).value);
   }
 
@@ -34,10 +33,10 @@ template <int dim> struct LineariseKernel
     CellTerms<dim> terms;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
+      const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
       const double volume = integration_volume(points.particles, points.stencils, p);
       SpatialTangent tangent;
-      const PointDilation dilation = points.evaluate(p, dF, tangent);
+      const PointDilation dilation = points.evaluate(p, determinant(dF), tangent);
       compliance += volume * dilation.compliance;
       total += volume * determinant(dF);
       pulled = pull_back(tangent, dF, volume);
@@ -151,7 +150,7 @@ template <int dim> struct ProductKernel
   KEDGE_FUNCTION void particle(const unsigned int p) const
   {
     Row H[dim], w[dim];
-    gather(p, H);
+    displacement_gradient<dim>(stencils, direction, p, H);
     multiply(p, H, w);
     scatter(p, w);
   }
@@ -165,7 +164,7 @@ template <int dim> struct ProductKernel
     for (unsigned int p = begin; p < end; ++p)
     {
       Row H[dim], w[dim];
-      gather(p, H);
+      displacement_gradient<dim>(stencils, direction, p, H);
       multiply(p, H, w);
       for (int m = 0; m < dim; ++m)
         for (int i = 0; i < lanes; ++i)
@@ -190,22 +189,6 @@ template <int dim> struct ProductKernel
           w[m][i] += derivative.cell(p, dim * m + i) * dilation - derivative.cell(p, 18 + dim * m + i) * volume;
       }
       scatter(p, w);
-    }
-  }
-
-  /// H[k][n] = sum over nodes of d_vk grad_n S_v.
-  KEDGE_FUNCTION void gather(const unsigned int p, Row (&H)[dim]) const
-  {
-    const ParticleNodes at = nodes_of(stencils, p);
-    const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-    for (int k = 0; k < dim; ++k)
-      H[k].setZero();
-    for (unsigned int v = 0; v < at.n; ++v)
-    {
-      const double* d = &direction(std::size_t(dim) * at.node[v]);
-      const Row g = Lanes<dim>::read(gradient + dim * v);
-      for (int k = 0; k < dim; ++k)
-        H[k] += d[k] * g;
     }
   }
 
@@ -243,8 +226,7 @@ template <int dim> struct ProductKernel
 
 template <int dim>
 LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
-                                const NodalVector& increment, const CellGroups& cells, const double elastic_share,
-                                LinearisedForce derivative)
+                                const CellGroups& cells, const double elastic_share, LinearisedForce derivative)
 {
   if (derivative.moduli.extent(0) != particles.n + 1)
   {
@@ -256,7 +238,7 @@ LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSe
     derivative.modulus = View<float*>("modulus of the cell", cells.n_cells());
     derivative.spring = View<float*>("spring of the cell", cells.n_cells());
   }
-  const LineariseKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share}, increment, derivative};
+  const LineariseKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share}, derivative};
   if (cells.empty())
     Kokkos::parallel_for(
         "linearise", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
@@ -289,7 +271,7 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template LinearisedForce linearise_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,            \
-                                                const NodalVector&, const CellGroups&, double, LinearisedForce);       \
+                                                const CellGroups&, double, LinearisedForce);       \
   template void add_linearised_force<dim>(const StencilSet&, const CellGroups&, const LinearisedForce&,                \
                                           const NodalVector&, const NodalVector&);
 KEDGE_INSTANTIATE(2)

@@ -1,6 +1,6 @@
 // Particles of a cell come to one pressure.
 #include <cmath>
-#include <kedge/assembly/kernels.h>
+#include <kedge/assembly/deformation.h>
 #include <kedge/assembly/volume_average.h>
 #include <string>
 
@@ -10,30 +10,12 @@ namespace
 {
 constexpr int most_iterations = 30;
 
-/// Trial principal elastic strains after `dF`, those of the dim dimensions first.
-template <int dim> KEDGE_FUNCTION Eigen::Vector3d trial_strains(const Eigen::Matrix3d& dF, const SymmetricTensor& b)
-{
-  const SymmetricTensor pushed = internal::push_forward(dF, b);
-  Eigen::Vector3d squared;
-  if constexpr (dim == 3)
-    squared = principal_frame(pushed).values;
-  else
-  {
-    const double mean = 0.5 * (pushed[0] + pushed[1]), half = 0.5 * (pushed[0] - pushed[1]);
-    squared[0] = mean + std::sqrt(half * half + pushed[3] * pushed[3]);
-    squared[1] = (pushed[0] * pushed[1] - pushed[3] * pushed[3]) / squared[0];
-    squared[2] = pushed[2];
-  }
-  return {0.5 * std::log(squared[0]), 0.5 * std::log(squared[1]), 0.5 * std::log(squared[2])};
-}
-
 template <int dim> struct SharedPressureKernel
 {
   ParticleArrays particles;
   StencilSet stencils;
   CellGroups cells;
   Materials materials;
-  NodalVector increment;
   // by particle
   View<double* [3]> strain; ///< trial principal strains for the particle's own dF
   View<double*> own_change; ///< ln J
@@ -74,13 +56,11 @@ template <int dim> struct SharedPressureKernel
     bool admissible = true;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-      const double J = determinant(dF);
+      const double J = determinant(trial_deformation(particles, p));
       admissible = admissible && J > 0.;
       const SymmetricTensor b = row_of(particles.elastic_left_cauchy_green, p);
-      const Eigen::Vector3d trial = trial_strains<dim>(dF, b);
       for (int i = 0; i < 3; ++i)
-        strain(p, i) = trial[i];
+        strain(p, i) = 0.5 * std::log(particles.trial_frame(p, i));
       own_change(p) = std::log(J);
       offset(p) = start_pressure(p, b);
       before += volume(p);
@@ -164,19 +144,17 @@ template <int dim> struct SharedPressureKernel
 
 template <int dim>
 void share_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                    const Materials& materials, const NodalVector& increment)
+                    const Materials& materials)
 {
   const std::size_t n = cells.empty() ? 0 : stencils.n_particles;
   const auto number = [&](const std::string& name) { return View<double*>(name, n); };
   Kokkos::parallel_for("share pressure", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
-                       SharedPressureKernel<dim>{particles, stencils, cells, materials, increment,
+                       SharedPressureKernel<dim>{particles, stencils, cells, materials,
                                                  View<double* [3]>("trial strains", n), number("own volume change"),
                                                  number("offset"), number("volume change"), number("pressure"),
                                                  number("modulus")});
 }
 
-template void share_pressure<2>(const ParticleArrays&, const StencilSet&, const CellGroups&, const Materials&,
-                                const NodalVector&);
-template void share_pressure<3>(const ParticleArrays&, const StencilSet&, const CellGroups&, const Materials&,
-                                const NodalVector&);
+template void share_pressure<2>(const ParticleArrays&, const StencilSet&, const CellGroups&, const Materials&);
+template void share_pressure<3>(const ParticleArrays&, const StencilSet&, const CellGroups&, const Materials&);
 } // namespace kedge

@@ -26,7 +26,6 @@ KEDGE_FUNCTION constexpr unsigned int round_up(const unsigned int n, const unsig
 template <int dim> struct TangentKernel
 {
   PointTangents<dim> points;
-  NodalVector increment;
   View<std::size_t*> row_begin;
   View<unsigned int*> column;
   View<double*> values;
@@ -40,9 +39,9 @@ template <int dim> struct TangentKernel
   KEDGE_FUNCTION void contract(const unsigned int p, const unsigned int n, const unsigned int width, double* contracted,
                                double* spatial_gradient) const
   {
-    const Eigen::Matrix3d dF = deformation_increment<dim>(points.stencils, increment, p);
+    const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
     SpatialTangent tangent;
-    const PointDilation dilation = points.evaluate(p, dF, tangent);
+    const PointDilation dilation = points.evaluate(p, determinant(dF), tangent);
     if (!points.cells.empty())
       moduli.set(p, dilation);
     const double volume = integration_volume(points.particles, points.stencils, p);
@@ -158,8 +157,8 @@ template <int dim> struct TangentKernel
 
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
-                 const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
-                 const CellGroups& cells, const double elastic_share)
+                 const NodeGraph& graph, const View<double*>& values, const CellGroups& cells,
+                 const double elastic_share)
 {
   const unsigned int width = round_up(dim * stencils.max_nodes, column_block);
   const unsigned int gradients = dim * round_up(stencils.max_nodes, node_block);
@@ -170,7 +169,6 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
   const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
                               View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
   const TangentKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share},
-                                  increment,
                                   graph.row_begin,
                                   graph.column,
                                   values,
@@ -182,11 +180,11 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
       Kokkos::PerThread(Scratch::shmem_size(node_block * dim * width)));
   Kokkos::parallel_for("tangent", policy, kernel);
   if (!cells.empty())
-    add_mean_dilation<dim>(particles, stencils, cells, increment, moduli, graph, values);
+    add_mean_dilation<dim>(particles, stencils, cells, moduli, graph, values);
 }
 
-template void add_tangent<2>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&, const CellGroups&, double);
-template void add_tangent<3>(const ParticleArrays&, const StencilSet&, const Materials&, const NodalVector&,
-                             const NodeGraph&, const View<double*>&, const CellGroups&, double);
+template void add_tangent<2>(const ParticleArrays&, const StencilSet&, const Materials&, const NodeGraph&,
+                             const View<double*>&, const CellGroups&, double);
+template void add_tangent<3>(const ParticleArrays&, const StencilSet&, const Materials&, const NodeGraph&,
+                             const View<double*>&, const CellGroups&, double);
 } // namespace kedge

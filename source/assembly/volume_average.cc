@@ -1,5 +1,5 @@
 #include <cmath>
-#include <kedge/assembly/kernels.h>
+#include <kedge/assembly/deformation.h>
 #include <kedge/assembly/volume_average.h>
 
 namespace kedge
@@ -18,7 +18,6 @@ template <int dim> struct MeanDilationKernel
   ParticleArrays particles;
   StencilSet stencils;
   CellGroups cells;
-  NodalVector increment;
   DilationModuli moduli;
   View<std::size_t*> row_begin;
   View<unsigned int*> column;
@@ -50,7 +49,7 @@ template <int dim> struct MeanDilationKernel
   /// Adds a particle's part to the sums of its cell, whose nodes begin at `first`; returns its volume.
   KEDGE_FUNCTION double gather(const unsigned int p, const unsigned int first) const
   {
-    const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+    const Eigen::Matrix3d dF = trial_deformation(particles, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double initial = integration_volume(particles, stencils, p), end = initial * determinant(dF);
     const ParticleNodes nodes = nodes_of(stencils, p);
@@ -137,14 +136,12 @@ void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils,
 
 template <int dim>
 void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                       const NodalVector& increment, const DilationModuli& moduli, const NodeGraph& graph,
-                       const View<double*>& values)
+                       const DilationModuli& moduli, const NodeGraph& graph, const View<double*>& values)
 {
   const std::size_t n = dim * cells.nodes.extent(0);
   const MeanDilationKernel<dim> kernel{particles,
                                        stencils,
                                        cells,
-                                       increment,
                                        moduli,
                                        graph.row_begin,
                                        graph.column,
@@ -157,8 +154,7 @@ void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stenci
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void add_mean_dilation<dim>(const ParticleArrays&, const StencilSet&, const CellGroups&,                    \
-                                       const NodalVector&, const DilationModuli&, const NodeGraph&,                    \
-                                       const View<double*>&);
+                                       const DilationModuli&, const NodeGraph&, const View<double*>&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)
 } // namespace kedge

@@ -55,13 +55,15 @@ inline void allocate_arrays(ParticleArrays& arrays, const std::size_t n)
   arrays.n = n;
   allocate(arrays.elastic_left_cauchy_green, "left Cauchy-Green");
   allocate(arrays.cell_size, "cell size");
+  allocate(arrays.trial_deformation, "trial dF");
+  allocate(arrays.trial_frame, "trial frame");
   for_each_array(arrays, [&](const auto&, auto& array) { allocate(array, "mirrored field"); });
 }
 
 /// Bytes per particle of all arrays.
 inline double bytes_per_particle(const ParticleArrays& arrays)
 {
-  double bytes = sizeof(double) * (6. + 1.);
+  double bytes = sizeof(double) * (6. + 1. + 9. + 12.);
   for_each_array(arrays,
                  [&](const auto&, const auto& array)
                  {

@@ -21,7 +21,7 @@ template <int dim> void ImplicitStep<dim>::renew_force_measure()
 {
   const NodalVector sizes = system->make_nodal_vector();
   Kokkos::deep_copy(sizes, given_sizes);
-  add_internal_force_sizes<dim>(context.soil.particles().arrays(), basis.stencils, local_increment, sizes);
+  add_internal_force_sizes<dim>(context.soil.particles().arrays(), basis.stencils, sizes);
   if (context.stage.rigid_bodies)
     add_point_force_sizes(dim, context.soil.contact().points_of_last_evaluation(), sizes);
   if (load.newmark.is_dynamic())

@@ -56,7 +56,7 @@ template <int dim> void ImplicitStep<dim>::linearise(const double elastic_share)
   if (factorises)
     return;
   force_derivative = linearise_force<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(),
-                                          local_increment, basis.cells, elastic_share, force_derivative);
+                                          basis.cells, elastic_share, force_derivative);
   ghost_derivative = linearise_ghost<dim>(basis.ghost_faces, local_increment);
   if (context.stage.rigid_bodies)
     contact_derivative = linearise_points(context.soil.contact().points_of_last_evaluation());
@@ -100,8 +100,8 @@ template <int dim> Teuchos::RCP<TpetraMatrix> ImplicitStep<dim>::assemble_whole(
     whole_system = std::make_unique<System>(dim, numbering_of(basis.nodes), all_couplings(), constrained);
   System& into = factorises ? *system : *whole_system;
   into.clear_matrix();
-  add_tangent<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(), local_increment,
-                   into.graph(), into.values(), basis.cells, damping);
+  add_tangent<dim>(context.soil.particles().arrays(), basis.stencils, context.soil.materials(), into.graph(),
+                   into.values(), basis.cells, damping);
   finish_matrix(into);
   return into.matrix();
 }

@@ -18,13 +18,13 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
                                       const Materials& materials, const NodalVector& increment,
                                       const NodalVector& force, const CellGroups& cells = {});
 
-/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`. With F-bar
-/// the last stress update must be that of the same increments. For Newton's damping, yielding particles get at least
+/// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`, at the
+/// increments of the last stress update; without F-bar, of the last deform() (deformation.h). For Newton's damping, yielding particles get at least
 /// `elastic_share` of their elastic moduli in addition.
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
-                 const NodalVector& increment, const NodeGraph& graph, const View<double*>& values,
-                 const CellGroups& cells = {}, double elastic_share = 0.);
+                 const NodeGraph& graph, const View<double*>& values, const CellGroups& cells = {},
+                 double elastic_share = 0.);
 
 /// Adds factor * m S_v g (N) to `force`.
 template <int dim>

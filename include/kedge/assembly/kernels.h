@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <kedge/assembly/lanes.h>
 #include <kedge/assembly/node_graph.h>
 #include <kedge/base/kokkos.h>
 #include <kedge/basis/stencil.h>
@@ -77,25 +78,35 @@ KEDGE_FUNCTION std::size_t find_entry_or_diagonal(const View<std::size_t*>& row_
   return column(entry) == node ? entry : find_entry(row_begin, column, row, row);
 }
 
+/// H[k][n] = sum over nodes of d_vk grad_n S_v of particle p, in lanes over n.
+template <int dim>
+KEDGE_FUNCTION void displacement_gradient(const StencilSet& stencils, const View<double*>& nodal, const unsigned int p,
+                                          typename Lanes<dim>::Type (&H)[dim])
+{
+  const ParticleNodes at = nodes_of(stencils, p);
+  const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+  for (int k = 0; k < dim; ++k)
+    H[k].setZero();
+  for (unsigned int v = 0; v < at.n; ++v)
+  {
+    const double* d = &nodal(std::size_t(dim) * at.node[v]);
+    const typename Lanes<dim>::Type g = Lanes<dim>::read(gradient + dim * v);
+    for (int k = 0; k < dim; ++k)
+      H[k] += d[k] * g;
+  }
+}
+
 /// dF = 1 + sum over nodes of d_v (x) grad S_v of particle p.
 template <int dim>
 KEDGE_FUNCTION Eigen::Matrix3d deformation_increment(const StencilSet& stencils, const View<double*>& increment,
                                                      const unsigned int p)
 {
-  const ParticleNodes at = nodes_of(stencils, p);
-  const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-  double f[dim][dim] = {};
-  for (unsigned int v = 0; v < at.n; ++v)
-  {
-    const std::size_t dof = static_cast<std::size_t>(dim) * at.node[v];
-    for (int i = 0; i < dim; ++i)
-      for (int j = 0; j < dim; ++j)
-        f[i][j] += increment(dof + i) * gradient[dim * v + j];
-  }
+  typename Lanes<dim>::Type H[dim];
+  displacement_gradient<dim>(stencils, increment, p, H);
   Eigen::Matrix3d result = Eigen::Matrix3d::Identity();
   for (int i = 0; i < dim; ++i)
     for (int j = 0; j < dim; ++j)
-      result(i, j) += f[i][j];
+      result(i, j) += H[i][j];
   return result;
 }
 

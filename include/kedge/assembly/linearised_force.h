@@ -20,13 +20,11 @@ struct LinearisedForce
   View<double* [12]> flux; ///< workspace by particle, dim times SIMD lanes
 };
 
-/// Finds the derivative at the given nodal increments (m), which must be those of the last stress update. For Newton's
-/// damping, yielding particles get at least `elastic_share` of their elastic moduli in addition. `previous` lends its
-/// memory.
+/// Finds the derivative at the increments of the last stress update. For Newton's damping, yielding particles get at
+/// least `elastic_share` of their elastic moduli in addition. `previous` lends its memory.
 template <int dim>
 LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
-                                const NodalVector& increment, const CellGroups& cells, double elastic_share,
-                                LinearisedForce previous = {});
+                                const CellGroups& cells, double elastic_share, LinearisedForce previous = {});
 
 /// Adds the derivative times `direction` (m) to `force` (N).
 template <int dim>

@@ -1,12 +1,12 @@
 // The moduli of single particles, with what F-bar makes of them.
 #pragma once
 
-#include <kedge/assembly/kernels.h>
+#include <kedge/assembly/deformation.h>
 #include <kedge/assembly/volume_average.h>
 
 namespace kedge
 {
-/// Evaluates the tangents of particles. The last stress update must be that of the same increments.
+/// Evaluates the tangents of particles at the increment of the last stress update.
 template <int dim> struct PointTangents
 {
   ParticleArrays particles;
@@ -15,17 +15,18 @@ template <int dim> struct PointTangents
   CellGroups cells;     ///< empty without F-bar
   double elastic_share; ///< of their elastic moduli that yielding particles have at least
 
-  /// Writes the particle's own moduli to `tangent`; what belongs to its cell is returned, unset without F-bar.
-  KEDGE_FUNCTION PointDilation evaluate(const unsigned int p, const Eigen::Matrix3d& dF, SpatialTangent& tangent) const
+  /// Writes the particle's own moduli to `tangent`; what belongs to its cell is returned, unset without F-bar. `J` is
+  /// det dF.
+  KEDGE_FUNCTION PointDilation evaluate(const unsigned int p, const double J, SpatialTangent& tangent) const
   {
     double next_state[Laws::max_state]; // not needed here
     const StressUpdate update =
-        update_stress(stretch<dim>(dF, cells.volume_factor, p), row_of(particles.elastic_left_cauchy_green, p),
+        update_stress(trial_frame<dim>(particles, cells.volume_factor, p),
                       {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
                       materials(particles.layer(p)), next_state, tangent, elastic_share);
     PointDilation dilation;
     if (!cells.empty())
-      share_dilation(p, determinant(dF), update.stress, tangent, dilation);
+      share_dilation(p, J, update.stress, tangent, dilation);
     return dilation;
   }
 

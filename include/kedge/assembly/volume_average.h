@@ -35,11 +35,11 @@ template <int dim> KEDGE_FUNCTION SymmetricTensor with_mean_stress(SymmetricTens
 /// apex, whose pressure does not depend on their volume. This is a mixed formulation with a constant pressure in each
 /// cell whose unknowns are eliminated at once: soil that dilates is not softened at those particles of a cell that
 /// dilate most, as it is where they share J itself.
-/// Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J* / J)^(1/dim),
+/// Follows deform(). Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J* / J)^(1/dim),
 /// which stretch dF, and pi to the cells. Where a particle has J <= 0, or no pressure is found, nothing is shared.
 template <int dim>
 void share_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                    const Materials& materials, const NodalVector& increment);
+                    const Materials& materials);
 
 /// Brings the mean stress of every particle in soil that flows half of the distance nearer to that of its cell, trial
 /// stress and strain alike. Differences within a cell act on no node, so nothing else would take them away, and they
@@ -75,11 +75,10 @@ struct DilationModuli
   }
 };
 
-/// Adds the part of the tangent that comes from the pressure of the cells, with h = dF^-T grad S:
+/// Adds the part of the tangent that comes from the pressure of the cells at the increment of the last deform(), with h = dF^-T grad S:
 /// K_ab += sum over cells of Q_a (x) R_b / sum_p V compliance - spring / W v_a (x) v_b, Q = sum_p V stress h, R = sum_p
 /// V volume h, v = sum_p V J h, W = sum_p V J.
 template <int dim>
 void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
-                       const NodalVector& increment, const DilationModuli& moduli, const NodeGraph& graph,
-                       const View<double*>& values);
+                       const DilationModuli& moduli, const NodeGraph& graph, const View<double*>& values);
 } // namespace kedge

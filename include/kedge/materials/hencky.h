@@ -127,6 +127,24 @@ KEDGE_FUNCTION PrincipalFrame principal_frame(const SymmetricTensor& s)
   return principal_frame_of({s[0], s[1], s[2], s[3], s[4], s[5]});
 }
 
+/// The same for a tensor without out-of-plane shears: directions 0 and 1 lie in the plane, 2 across it.
+KEDGE_FUNCTION PrincipalFrame plane_frame(const SymmetricTensor& s)
+{
+  const double half_difference = 0.5 * (s[0] - s[1]);
+  const double denominator =
+      half_difference + std::copysign(std::sqrt(half_difference * half_difference + s[3] * s[3]), half_difference);
+  const double tangent = denominator != 0. ? s[3] / denominator : 0.;
+  const double cosine = 1. / std::sqrt(1. + tangent * tangent), sine = tangent * cosine;
+  PrincipalFrame frame;
+  frame.values = Eigen::Vector3d(s[0] + tangent * s[3], s[1] - tangent * s[3], s[2]);
+  frame.directions.setZero();
+  frame.directions(0, 0) = frame.directions(1, 1) = cosine;
+  frame.directions(1, 0) = sine;
+  frame.directions(0, 1) = -sine;
+  frame.directions(2, 2) = 1.;
+  return frame;
+}
+
 /// Several tensors and their frames, number by number, which is the layout of vector registers.
 template <int width> struct PrincipalFrames
 {

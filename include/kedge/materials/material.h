@@ -121,14 +121,13 @@ KEDGE_FUNCTION bool all_positive(const Eigen::Vector3d& values)
 }
 
 template <bool with_tangent>
-KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const MaterialPoint& point, const Material& material, double* next_state,
-                                          SpatialTangent* tangent, const double elastic_share = 0.)
+KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const MaterialPoint& point,
+                                          const Material& material, double* next_state, SpatialTangent* tangent,
+                                          const double elastic_share = 0.)
 {
-  const SymmetricTensor pushed = push_forward(increment, b);
-  const PrincipalFrame frame = principal_frame(pushed);
-  if (determinant(increment) > 0. && all_positive(frame.values))
-    return update_stress_in<with_tangent>(frame, pushed, point, material, next_state, tangent, nullptr, elastic_share);
+  if (all_positive(trial.values))
+    return update_stress_in<with_tangent>(trial, SymmetricTensor::Zero(), point, material, next_state, tangent, nullptr,
+                                          elastic_share);
   if constexpr (with_tangent)
     for (double& entry : tangent->value)
       entry = 0.;
@@ -136,22 +135,46 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
 }
 } // namespace internal
 
-/// The state after the trial increment of the deformation gradient. `b` is the committed elastic left Cauchy-Green
-/// tensor exp(2 eps_e), computed once per step by left_cauchy_green(). `next_state` receives the state variables, as
-/// for respond(). Where det(increment) <= 0 the status is `inverted`, the rest zero and `next_state` as it was.
-KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
-                                          const MaterialPoint& point, const Material& material, double* next_state)
+/// Principal frame of the trial dF b dF^T, with values of zero where det dF <= 0 or is not a number. `b` is the
+/// committed elastic left Cauchy-Green tensor exp(2 eps_e), computed once per step by left_cauchy_green().
+KEDGE_FUNCTION PrincipalFrame trial_frame(const Eigen::Matrix3d& increment, const SymmetricTensor& b)
 {
-  return internal::update_stress<false>(increment, b, point, material, next_state, nullptr);
+  PrincipalFrame frame = principal_frame(internal::push_forward(increment, b));
+  if (!(determinant(increment) > 0.))
+    frame.values.setZero();
+  return frame;
+}
+
+/// The state after a trial increment, whose elastic left Cauchy-Green tensor has the principal frame `trial`.
+/// `next_state` receives the state variables, as for respond(). Where a principal value is not positive the status is
+/// `inverted`, the rest zero and `next_state` as it was.
+KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const MaterialPoint& point,
+                                          const Material& material, double* next_state)
+{
+  return internal::update_stress<false>(trial, point, material, next_state, nullptr);
 }
 
 /// The same with the consistent spatial tangent, to which a yielding point adds at least `elastic_share` of its elastic
 /// moduli.
+KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const MaterialPoint& point,
+                                          const Material& material, double* next_state, SpatialTangent& tangent,
+                                          const double elastic_share = 0.)
+{
+  return internal::update_stress<true>(trial, point, material, next_state, &tangent, elastic_share);
+}
+
+/// The same after an increment of the deformation gradient, for a single point.
+KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
+                                          const MaterialPoint& point, const Material& material, double* next_state)
+{
+  return update_stress(trial_frame(increment, b), point, material, next_state);
+}
+
 KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, const SymmetricTensor& b,
                                           const MaterialPoint& point, const Material& material, double* next_state,
                                           SpatialTangent& tangent, const double elastic_share = 0.)
 {
-  return internal::update_stress<true>(increment, b, point, material, next_state, &tangent, elastic_share);
+  return update_stress(trial_frame(increment, b), point, material, next_state, tangent, elastic_share);
 }
 
 /// The same without a tangent for a path of many increments, where the trial b and its principal frame are known: `b`

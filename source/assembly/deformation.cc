@@ -1,0 +1,56 @@
+#include <kedge/assembly/deformation.h>
+
+namespace kedge
+{
+namespace
+{
+template <int dim> struct DeformationKernel
+{
+  ParticleArrays particles;
+  StencilSet stencils;
+  View<double*> increment;
+
+  /// So many particles find their principal frames together, on the host in the lanes of vector registers.
+  static constexpr int width = dim == 3 && std::is_same<MemorySpace, Kokkos::HostSpace>::value ? 4 : 1;
+
+  KEDGE_FUNCTION void operator()(const std::size_t batch) const
+  {
+    const unsigned int first = width * batch, rest = particles.n - first, n = rest < width ? rest : width;
+    PrincipalFrames<width> frames;
+    bool admissible[width];
+    for (unsigned int i = 0; i < width; ++i)
+    {
+      // in an order that visits nodes close in memory
+      const unsigned int p = stencils.pattern_particles(first + (i < n ? i : 0));
+      const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
+      for (int j = 0; j < 9; ++j)
+        particles.trial_deformation(p, j) = dF(j % 3, j / 3);
+      frames.set(i, internal::push_forward(dF, row_of(particles.elastic_left_cauchy_green, p)));
+      admissible[i] = determinant(dF) > 0.;
+    }
+    if constexpr (dim == 3)
+      frames.find();
+    for (unsigned int i = 0; i < n; ++i)
+    {
+      const PrincipalFrame frame = dim == 3 ? frames.frame_of(i) : plane_frame(frames.tensor_of(i));
+      const unsigned int p = stencils.pattern_particles(first + i);
+      for (int j = 0; j < 3; ++j)
+        particles.trial_frame(p, j) = admissible[i] ? frame.values[j] : 0.;
+      for (int j = 0; j < 9; ++j)
+        particles.trial_frame(p, 3 + j) = frame.directions(j % 3, j / 3);
+    }
+  }
+};
+} // namespace
+
+template <int dim>
+void deform(const ParticleArrays& particles, const StencilSet& stencils, const View<double*>& increment)
+{
+  constexpr std::size_t width = DeformationKernel<dim>::width;
+  Kokkos::parallel_for("deform", Kokkos::RangePolicy<ExecutionSpace>(0, (particles.n + width - 1) / width),
+                       DeformationKernel<dim>{particles, stencils, increment});
+}
+
+template void deform<2>(const ParticleArrays&, const StencilSet&, const View<double*>&);
+template void deform<3>(const ParticleArrays&, const StencilSet&, const View<double*>&);
+} // namespace kedge
