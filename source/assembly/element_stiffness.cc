@@ -17,25 +17,25 @@ template <int dim> struct ElementKernel
   View<double*> values;
 
   using Row = typename Lanes<dim>::Type;
-  static constexpr int size = dim * dim, n_places = 1 << dim;
+  static constexpr int lanes = Lanes<dim>::size, set = dim * lanes, n_places = 1 << dim;
 
   KEDGE_FUNCTION void operator()(const unsigned int e) const
   {
-    double moduli[size * size + 1] = {}; // one more: lanes
+    double moduli[dim * dim * set] = {};
     for (unsigned int i = elements.part_begin(e); i < elements.part_begin(e + 1); ++i)
     {
       const double share = elements.share(i) / n_places;
-      for (int k = 0; k < size * size; ++k)
+      for (int k = 0; k < dim * dim * set; ++k)
         moduli[k] += share * derivative.moduli(elements.particle(i), k);
     }
-    double terms[27] = {}, modulus = 0., spring = 0.;
+    double terms[3 * set] = {}, modulus = 0., spring = 0.;
     const int c = elements.cell(e);
     if (c >= 0)
     {
       modulus = derivative.modulus(c) / (n_places * n_places);
       spring = derivative.spring(c) / (n_places * n_places);
       for (unsigned int p = cells.particle_begin(c); p < cells.particle_begin(c + 1); ++p)
-        for (int i = 0; i < 27; ++i)
+        for (int i = 0; i < 3 * set; ++i) // of which `volume` once
           terms[i] += derivative.cell(p, i);
     }
     const unsigned int first = elements.node_begin(e), n = elements.node_begin(e + 1) - first;
@@ -59,12 +59,12 @@ template <int dim> struct ElementKernel
         for (int i = 0; i < dim; ++i)
           for (int k = 0; k < dim; ++k)
             add_to(values(std::size_t(dim) * (dim * begin + i * length + at - begin) + k),
-                   block[k][i] + modulus * of_a[0][i] * of_b[1][k] - spring * of_a[2][i] * of_b[2][k]);
+                   block[k][i] + modulus * of_a[0][i] * of_b[2][k] - spring * of_a[1][i] * of_b[1][k]);
       }
     }
   }
 
-  /// of[t][i] = sum over places and m of terms[9 t + dim m + i] grad_m of node v.
+  /// of[t][i] = sum over places and m of grad_m of node v times entry m, i of terms t; i, m for t = 2.
   KEDGE_FUNCTION void contract(const double* terms, const unsigned int first, const unsigned int n,
                                const unsigned int v, double (&of)[3][dim]) const
   {
@@ -77,7 +77,7 @@ template <int dim> struct ElementKernel
       {
         of[t][i] = 0.;
         for (int m = 0; m < dim; ++m)
-          of[t][i] += terms[9 * t + dim * m + i] * g[m];
+          of[t][i] += terms[set * t + (t < 2 ? lanes * m + i : lanes * i + m)] * g[m];
       }
   }
 
@@ -98,7 +98,7 @@ template <int dim> struct ElementKernel
     for (int l = 0; l < dim; ++l)
       for (int k = 0; k < dim; ++k)
         for (int m = 0; m < dim; ++m)
-          block[k] += product[l][m] * Lanes<dim>::read(moduli + (dim * l + k) * size + dim * m);
+          block[k] += product[l][m] * Lanes<dim>::map(moduli + ((dim * l + k) * dim + m) * lanes);
   }
 };
 } // namespace

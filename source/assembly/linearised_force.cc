@@ -121,18 +121,28 @@ template <int dim> struct LineariseKernel
 
   KEDGE_FUNCTION void store(const unsigned int p, const double* value) const
   {
-    for (int i = 0; i < dim * dim * dim * dim; ++i)
-      derivative.moduli(p, i) = value[i];
+    constexpr int lanes = Lanes<dim>::size;
+    for (int row = 0; row < dim * dim * dim; ++row)
+    {
+      for (int i = 0; i < dim; ++i)
+        derivative.moduli(p, lanes * row + i) = value[dim * row + i];
+      for (int i = dim; i < lanes; ++i)
+        derivative.moduli(p, lanes * row + i) = 0.;
+    }
   }
 
   KEDGE_FUNCTION void store(const unsigned int p, const CellTerms<dim>& terms) const
   {
-    for (int i = 0; i < dim * dim; ++i)
-    {
-      derivative.cell(p, i) = terms.stress[i];
-      derivative.cell(p, 9 + i) = terms.dilation[i];
-      derivative.cell(p, 18 + i) = terms.volume[i];
-    }
+    for (int m = 0; m < dim; ++m)
+      for (int i = 0; i < dim; ++i)
+      {
+        constexpr int lanes = Lanes<dim>::size, set = dim * lanes;
+        const int k = lanes * m + i, transposed = lanes * i + m;
+        derivative.cell(p, k) = terms.stress[dim * m + i];
+        derivative.cell(p, set + k) = terms.volume[dim * m + i];
+        derivative.cell(p, 2 * set + transposed) = terms.dilation[dim * m + i];
+        derivative.cell(p, 3 * set + transposed) = terms.volume[dim * m + i];
+      }
   }
 };
 
@@ -160,53 +170,61 @@ template <int dim> struct ProductKernel
     const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
     if (end - begin == 1)
       return particle(begin);
-    double dilation = 0., volume = 0.;
+    Row dilations = Row::Zero(), volumes = Row::Zero();
     for (unsigned int p = begin; p < end; ++p)
     {
       Row H[dim], w[dim];
       displacement_gradient<dim>(stencils, direction, p, H);
       multiply(p, H, w);
       for (int m = 0; m < dim; ++m)
-        for (int i = 0; i < lanes; ++i)
-          derivative.flux(p, lanes * m + i) = w[m][i];
-      for (int n = 0; n < dim; ++n)
-        for (int k = 0; k < dim; ++k)
-        {
-          dilation += derivative.cell(p, 9 + dim * n + k) * H[k][n];
-          volume += derivative.cell(p, 18 + dim * n + k) * H[k][n];
-        }
+        flux(p, m) = w[m];
+      for (int k = 0; k < dim; ++k)
+      {
+        dilations += cell_row(p, 2, k) * H[k];
+        volumes += cell_row(p, 3, k) * H[k];
+      }
     }
-    dilation *= derivative.modulus(c);
-    volume *= derivative.spring(c);
+    double dilation = 0., volume = 0.;
+    for (int n = 0; n < dim; ++n) // not the lane behind them
+    {
+      dilation += derivative.modulus(c) * dilations[n];
+      volume += derivative.spring(c) * volumes[n];
+    }
     for (unsigned int p = begin; p < end; ++p)
     {
       Row w[dim];
       for (int m = 0; m < dim; ++m)
       {
-        for (int i = 0; i < lanes; ++i)
-          w[m][i] = derivative.flux(p, lanes * m + i);
-        for (int i = 0; i < dim; ++i)
-          w[m][i] += derivative.cell(p, dim * m + i) * dilation - derivative.cell(p, 18 + dim * m + i) * volume;
+        w[m] = flux(p, m) + dilation * cell_row(p, 0, m) - volume * cell_row(p, 1, m);
       }
       scatter(p, w);
     }
+  }
+
+  /// Row m of a set of a particle's terms.
+  KEDGE_FUNCTION Row cell_row(const unsigned int p, const int set, const int m) const
+  {
+    return Lanes<dim>::read(&derivative.cell(p, (set * dim + m) * lanes));
+  }
+
+  KEDGE_FUNCTION Eigen::Map<Row> flux(const unsigned int p, const int m) const
+  {
+    return Eigen::Map<Row>(&derivative.flux(p, m * lanes));
   }
 
   /// w[m][i] = sum of A_imkn H_kn.
   KEDGE_FUNCTION void multiply(const unsigned int p, const Row (&H)[dim], Row (&w)[dim]) const
   {
     const float* moduli = &derivative.moduli(p, 0);
-    const std::size_t stride = derivative.moduli.stride_1();
+    Row sum[dim]; // in registers; w itself would be stored and loaded with every term
     for (int m = 0; m < dim; ++m)
-      w[m].setZero();
+      sum[m].setZero();
     for (int n = 0; n < dim; ++n)
-      for (int k = 0; k < dim; ++k, moduli += size * stride)
-        for (int m = 0; m < dim; ++m)
-          if (stride == 1)
-            w[m] += H[k][n] * Lanes<dim>::read(moduli + dim * m);
-          else
-            for (int i = 0; i < dim; ++i)
-              w[m][i] += H[k][n] * moduli[(dim * m + i) * stride];
+      for (int k = 0; k < dim; ++k)
+        for (int m = 0; m < dim; ++m, moduli += lanes)
+          sum[m] += H[k][n] * Lanes<dim>::map(moduli).template cast<double>();
+    for (int m = 0; m < dim; ++m)
+      w[m] = sum[m];
   }
 
   KEDGE_FUNCTION void scatter(const unsigned int p, const Row (&w)[dim]) const
@@ -228,13 +246,15 @@ template <int dim>
 LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                                 const CellGroups& cells, const double elastic_share, LinearisedForce derivative)
 {
-  if (derivative.moduli.extent(0) != particles.n + 1)
+  if (derivative.moduli.extent(0) != particles.n)
   {
     const auto uninitialised = [](const std::string& label)
     { return Kokkos::view_alloc(label, Kokkos::WithoutInitializing); };
-    derivative.moduli = View<float**>(uninitialised("moduli"), particles.n + 1, dim * dim * dim * dim);
-    derivative.cell = View<float* [27]>("terms of the cell", cells.empty() ? 0 : particles.n);
-    derivative.flux = View<double* [12]>(uninitialised("flux"), cells.empty() ? 0 : particles.n);
+    constexpr int set = dim * Lanes<dim>::size;
+    const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
+    derivative.moduli = Rows<float>(uninitialised("moduli"), particles.n, dim * dim * set);
+    derivative.cell = Rows<float>("terms of the cell", n_sharing, 4 * set); // with zeros in idle lanes
+    derivative.flux = Rows<double>(uninitialised("flux"), n_sharing, set);
     derivative.modulus = View<float*>("modulus of the cell", cells.n_cells());
     derivative.spring = View<float*>("spring of the cell", cells.n_cells());
   }

@@ -110,8 +110,11 @@ struct LinearSolver::Implementation
   /// Returns false if there is none.
   bool build_hierarchy(const bool strong)
   {
+    const auto matrix = system.near();
+    if (!hierarchy.is_null() && !strong && !strong_hierarchy && hierarchy->renew())
+      return true;
     hierarchy = Teuchos::null; // its memory first
-    hierarchy = Multigrid::build(system.near(), system.near_null_space, block_size, strong);
+    hierarchy = Multigrid::build(matrix, system.near_null_space, block_size, strong);
     strong_hierarchy = strong;
     return !hierarchy.is_null();
   }

@@ -43,7 +43,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("rap: fix zero diagonals", true);
   list.set("max levels", 6);
   list.set("rap: triple product", false); // three times as slow as two products in Trilinos 13
-  list.set("reuse: type", "none");        // other types of Trilinos 13 fail if the pattern of a coarse matrix changes
+  list.set("reuse: type", "RP");
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
@@ -54,11 +54,21 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
 
 struct Multigrid::Implementation
 {
-  Teuchos::RCP<const TpetraMatrix> matrix;
+  Teuchos::RCP<TpetraMatrix> matrix;
+  unsigned int block_size;
   Teuchos::RCP<Hierarchy> hierarchy;
   Teuchos::RCP<const TpetraMatrix> prolongator; ///< to the finest level; null if that is the only one
   std::unique_ptr<BlockGaussSeidel> smoother;   ///< of the finest level, so too
   unsigned int sweeps_before, sweeps_after;     ///< the coarse correction
+
+  void set_up_finest_level()
+  {
+    const auto levels = hierarchy->GetHierarchy();
+    if (levels->GetNumLevels() == 1)
+      return;
+    prolongator = Utilities::Op2TpetraCrs(levels->GetLevel(1)->Get<Teuchos::RCP<XpetraMatrix>>("P"));
+    smoother = std::make_unique<BlockGaussSeidel>(*matrix, block_size);
+  }
 };
 
 Multigrid::Multigrid(std::unique_ptr<Implementation> implementation_) : implementation(std::move(implementation_)) {}
@@ -89,13 +99,25 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
     rethrow_if_alone("multigrid");
     return Teuchos::null;
   }
-  const auto levels = made->hierarchy->GetHierarchy();
-  if (levels->GetNumLevels() > 1)
-  {
-    made->prolongator = Utilities::Op2TpetraCrs(levels->GetLevel(1)->Get<Teuchos::RCP<XpetraMatrix>>("P"));
-    made->smoother = std::make_unique<BlockGaussSeidel>(*matrix, block_size);
-  }
+  made->block_size = block_size;
+  made->set_up_finest_level();
   return Teuchos::rcp(new Multigrid(std::move(made)));
+}
+
+bool Multigrid::renew()
+{
+  Implementation& at = *implementation;
+  try
+  {
+    MueLu::ReuseTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(at.matrix, *at.hierarchy);
+  }
+  catch (const std::exception&)
+  {
+    rethrow_if_alone("multigrid");
+    return false;
+  }
+  at.set_up_finest_level();
+  return true;
 }
 
 void Multigrid::apply(const TpetraMultiVector& x, TpetraMultiVector& y, Teuchos::ETransp mode, const double alpha,

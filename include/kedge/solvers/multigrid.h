@@ -18,6 +18,9 @@ public:
                                        bool strong);
   ~Multigrid() override;
 
+  /// Follows new values of the matrix, with the aggregates of before. False if that fails. Collective.
+  bool renew();
+
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;
   /// y = cycle(x); alpha and beta must be 1 and 0. Collective.
