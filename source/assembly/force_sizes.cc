@@ -1,6 +1,6 @@
 #include <cmath>
-#include <kedge/assembly/force_sizes.h>
 #include <kedge/assembly/deformation.h>
+#include <kedge/assembly/force_sizes.h>
 
 namespace kedge
 {

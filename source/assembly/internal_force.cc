@@ -18,9 +18,9 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
         const Eigen::Matrix3d dF = trial_deformation(particles, p);
-        const StressUpdate update = update_stress(
-            trial_frame<dim>(particles, factor, p), {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
-            materials(particles.layer(p)), &particles.trial_state(p, 0));
+        const StressUpdate update = update_stress(trial_frame<dim>(particles, factor, p),
+                                                  {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
+                                                  materials(particles.layer(p)), &particles.trial_state(p, 0));
         if (update.status == Status::inverted)
         {
           ++inverted;

@@ -291,7 +291,7 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template LinearisedForce linearise_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,            \
-                                                const CellGroups&, double, LinearisedForce);       \
+                                                const CellGroups&, double, LinearisedForce);                           \
   template void add_linearised_force<dim>(const StencilSet&, const CellGroups&, const LinearisedForce&,                \
                                           const NodalVector&, const NodalVector&);
 KEDGE_INSTANTIATE(2)

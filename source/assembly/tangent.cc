@@ -168,12 +168,8 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
   const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
   const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
                               View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
-  const TangentKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share},
-                                  graph.row_begin,
-                                  graph.column,
-                                  values,
-                                  chunk,
-                                  moduli};
+  const TangentKernel<dim> kernel{
+      {particles, stencils, materials, cells, elastic_share}, graph.row_begin, graph.column, values, chunk, moduli};
   Policy policy(stencils.n_patterns, Kokkos::AUTO);
   policy.set_scratch_size(
       0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),

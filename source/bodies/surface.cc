@@ -223,6 +223,10 @@ ClosestPoint Surface::closest_point(const Eigen::Vector3d& x) const
   return tree->describe(x, nearest);
 }
 
+/// Share of a known distance that covers round-off. Beside a nearly flat edge the gap is a height and a little less
+/// than the distance to the edge; the margin covers this difference too.
+constexpr double margin = 1e-6;
+
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance) const
 {
   KnownDistance nothing;
@@ -232,9 +236,6 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance,
                                                           KnownDistance& known) const
 {
-  // The margin covers round-off. Beside a nearly flat edge the gap is a height and a little less than the distance to
-  // the edge; the margin covers this difference too.
-  constexpr double margin = 1e-6;
   const double to_box = tree->nodes[0].squared_distance(x);
   if (to_box > distance * distance)
     return std::nullopt;
@@ -254,6 +255,14 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
   const ClosestPoint closest = tree->describe(x, nearest);
   known = {x, std::copysign(std::sqrt(nearest.squared_distance), closest.gap)};
   return closest.gap <= distance ? std::optional<ClosestPoint>(closest) : std::nullopt;
+}
+
+double Surface::least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const
+{
+  const double to_box = std::sqrt(tree->nodes[0].squared_distance(x));
+  return std::isnan(known.signed_distance)
+             ? to_box
+             : std::max(to_box, (1. - margin) * (known.signed_distance - (x - known.at).norm()));
 }
 
 bool Surface::surely_farther_than(const Eigen::Vector3d& x, double distance) const

@@ -18,6 +18,9 @@ constexpr double fading_per_distance = 0.25;
 /// there is what the last solution has left of the distance.
 constexpr double on_surface = 0.05;
 
+/// Pairs respond from this distance on, in sizes of the particle, so that they have a slip before they touch.
+constexpr double wakes_before = 0.1;
+
 Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
 {
   switch (closest.feature)
@@ -39,32 +42,63 @@ Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm commu
 {
 }
 
-template <int dim>
-Eigen::Vector3d Contact<dim>::corner_displacement(const Pair& pair, const double* nodal_increment) const
+template <int dim> Eigen::Vector3d Contact<dim>::corner_displacement(const unsigned int point) const
 {
   Eigen::Vector3d u = Eigen::Vector3d::Zero();
-  for (unsigned int v = points.begin[pair.point]; v < points.begin[pair.point + 1]; ++v)
+  if (nodal_increment.empty()) // nothing is evaluated yet
+    return u;
+  for (unsigned int v = points.begin[point]; v < points.begin[point + 1]; ++v)
     for (unsigned int d = 0; d < dim; ++d)
       u[world_axis(dim, d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
   return u;
 }
 
+/// By surface.
+template <int dim>
+auto Contact<dim>::find_approaches(const RigidSystems& committed, const std::vector<Pose>& moved)
+    -> std::vector<Approach>
+{
+  std::vector<Approach> approaches;
+  for (const WeldedSurface& welded : committed.surfaces)
+  {
+    const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
+    const double angle = before.rotation.angularDistance(now.rotation);
+    approaches.push_back({(now.position - before.position).norm(), 2. * std::sin(0.5 * angle)});
+  }
+  return approaches;
+}
+
+template <int dim> void Contact<dim>::wake_all()
+{
+  for (Rest& rest : rests)
+    rest.asleep = false;
+}
+
 template <int dim>
 const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
-                                          const double* nodal_increment)
+                                          const double* increment, const std::size_t n_nodes)
 {
+  nodal_increment.assign(increment, increment + dim * n_nodes);
   std::vector<Pose> moved;
   for (std::size_t i = 0; i < committed.points.size(); ++i)
     moved.push_back(committed.points[i].pose.moved(increments[i]));
 
+  const std::vector<Approach> approaches = find_approaches(committed, moved);
   std::fill(points.force.begin(), points.force.end(), 0.);
   std::fill(points.tangent.begin(), points.tangent.end(), 0.);
   touching.clear();
-  for (Pair& pair : pairs)
+  for (std::size_t i = 0; i < pairs.size(); ++i)
   {
+    Rest& rest = rests[i];
+    const Eigen::Vector3d displacement = corner_displacement(rest.point);
+    const Approach& approach = approaches[rest.surface];
+    if (rest.asleep && displacement.norm() + approach.shift + approach.turn * rest.lever < rest.clearance)
+      continue; // as its last response has left it: it touches nothing
+    Pair& pair = pairs[i];
     const WeldedSurface& welded = committed.surfaces[pair.key.surface];
-    pair.position = pair.start + corner_displacement(pair, nodal_increment);
+    pair.position = pair.start + displacement;
     respond(pair, welded.surface, committed.points[welded.point].pose, moved[welded.point]);
+    settle_down(pair, welded.surface, rest);
     if (!pair.active)
       continue;
     touching.push_back({pair.position, pair.force, pair.key.surface});
@@ -76,6 +110,17 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     }
   }
   return points;
+}
+
+/// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
+template <int dim> void Contact<dim>::settle_down(const Pair& pair, const Surface& surface, Rest& rest)
+{
+  const bool remembers = pair.committed.bonded || pair.committed.multiplier != 0. ||
+                         pair.committed.reference_gap != 0. || pair.augmented.multiplier != 0.;
+  rest.asleep = !(pair.active || remembers || std::isfinite(pair.gap));
+  if (rest.asleep)
+    rest.clearance = std::max(rest.clearance, surface.least_gap(pair.in_body, pair.known) - pair.slip.norm() -
+                                                  wakes_before * pair.size);
 }
 
 /// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
@@ -127,6 +172,7 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
 
   const bool bonded = pair.committed.bonded;
   const Eigen::Vector3d x = now.to_body(pair.position);
+  pair.in_body = x;
   pair.slip = x - before.to_body(pair.start); // as the body sees it
   pair.reference_gap = pair.committed.reference_gap;
   if (!bonded && pair.reference_gap != 0.) // most have none
@@ -226,7 +272,7 @@ template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const
     if (!std::isfinite(gap)) // evaluations look no farther than what may press
     {
       const WeldedSurface& welded = moved.surfaces[pair.key.surface];
-      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.position);
+      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.start + corner_displacement(pair.point));
       if (const auto closest = welded.surface.closest_point_within(x, pair.size))
         gap = closest->gap;
     }

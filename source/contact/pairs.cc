@@ -119,6 +119,8 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
                               const double reach)
 {
   pairs.clear();
+  rests.clear();
+  nodal_increment.clear();
   touching.clear();
   points = PointForces();
   waiting = history;
@@ -165,6 +167,8 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
           settle(pair, bodies);
         pair.trial = pair.augmented = pair.committed;
         pairs.push_back(pair);
+        const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
+        rests.push_back({point, s, (pair.start - pose.position).norm()});
       }
     }
   }
@@ -174,6 +178,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
 
 template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
 {
+  wake_all();
   history.clear(); // what cells were fitted for held soil that the bodies have replaced
   for (Pair& pair : pairs)
   {

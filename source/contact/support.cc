@@ -28,6 +28,7 @@ template <int dim>
 void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<double> missing,
                                    const std::function<void(std::vector<double>&)>& sum)
 {
+  wake_all();
   struct Carrier
   {
     Pair* pair;

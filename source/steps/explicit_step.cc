@@ -199,7 +199,9 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
   {
     body_increments = motion->increments();
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
-    add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
+    add_point_forces(
+        dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim), -1.,
+        force);
     context.soil.contact().follow_path();
   }
   else

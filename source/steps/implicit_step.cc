@@ -279,7 +279,9 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-    add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data()), -1., force);
+    add_point_forces(
+        dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim), -1.,
+        force);
   }
   add_ghost_force<dim>(basis.ghost_faces, local_increment, force);
   if (load.newmark.is_dynamic())

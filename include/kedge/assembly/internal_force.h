@@ -19,8 +19,8 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
                                       const NodalVector& force, const CellGroups& cells = {});
 
 /// Adds the consistent tangent d f / d increment (N/m) of all particles to `values`, laid out by `graph`, at the
-/// increments of the last stress update; without F-bar, of the last deform() (deformation.h). For Newton's damping, yielding particles get at least
-/// `elastic_share` of their elastic moduli in addition.
+/// increments of the last stress update; without F-bar, of the last deform() (deformation.h). For Newton's damping,
+/// yielding particles get at least `elastic_share` of their elastic moduli in addition.
 template <int dim>
 void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                  const NodeGraph& graph, const View<double*>& values, const CellGroups& cells = {},

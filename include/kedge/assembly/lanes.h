@@ -13,7 +13,8 @@ template <int dim> struct Lanes
   static constexpr int size = dim + dim % 2;
   using Type = Eigen::Array<double, size, 1>;
 
-  template <typename Number> KEDGE_FUNCTION static Eigen::Map<const Eigen::Array<Number, size, 1>> map(const Number* from)
+  template <typename Number>
+  KEDGE_FUNCTION static Eigen::Map<const Eigen::Array<Number, size, 1>> map(const Number* from)
   {
     return Eigen::Map<const Eigen::Array<Number, size, 1>>(from);
   }

@@ -20,10 +20,9 @@ template <int dim> struct PointTangents
   KEDGE_FUNCTION PointDilation evaluate(const unsigned int p, const double J, SpatialTangent& tangent) const
   {
     double next_state[Laws::max_state]; // not needed here
-    const StressUpdate update =
-        update_stress(trial_frame<dim>(particles, cells.volume_factor, p),
-                      {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
-                      materials(particles.layer(p)), next_state, tangent, elastic_share);
+    const StressUpdate update = update_stress(trial_frame<dim>(particles, cells.volume_factor, p),
+                                              {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
+                                              materials(particles.layer(p)), next_state, tangent, elastic_share);
     PointDilation dilation;
     if (!cells.empty())
       share_dilation(p, J, update.stress, tangent, dilation);

@@ -35,8 +35,9 @@ template <int dim> KEDGE_FUNCTION SymmetricTensor with_mean_stress(SymmetricTens
 /// apex, whose pressure does not depend on their volume. This is a mixed formulation with a constant pressure in each
 /// cell whose unknowns are eliminated at once: soil that dilates is not softened at those particles of a cell that
 /// dilate most, as it is where they share J itself.
-/// Follows deform(). Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J* / J)^(1/dim),
-/// which stretch dF, and pi to the cells. Where a particle has J <= 0, or no pressure is found, nothing is shared.
+/// Follows deform(). Newton's method, exact in few iterations where the law is piecewise linear. Writes the factors (J*
+/// / J)^(1/dim), which stretch dF, and pi to the cells. Where a particle has J <= 0, or no pressure is found, nothing
+/// is shared.
 template <int dim>
 void share_pressure(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                     const Materials& materials);
@@ -75,9 +76,9 @@ struct DilationModuli
   }
 };
 
-/// Adds the part of the tangent that comes from the pressure of the cells at the increment of the last deform(), with h = dF^-T grad S:
-/// K_ab += sum over cells of Q_a (x) R_b / sum_p V compliance - spring / W v_a (x) v_b, Q = sum_p V stress h, R = sum_p
-/// V volume h, v = sum_p V J h, W = sum_p V J.
+/// Adds the part of the tangent that comes from the pressure of the cells at the increment of the last deform(), with h
+/// = dF^-T grad S: K_ab += sum over cells of Q_a (x) R_b / sum_p V compliance - spring / W v_a (x) v_b, Q = sum_p V
+/// stress h, R = sum_p V volume h, v = sum_p V J h, W = sum_p V J.
 template <int dim>
 void add_mean_dilation(const ParticleArrays& particles, const StencilSet& stencils, const CellGroups& cells,
                        const DilationModuli& moduli, const NodeGraph& graph, const View<double*>& values);

@@ -94,10 +94,10 @@ public:
   /// 1 augment() has nothing left to do, as always without multipliers. Collective.
   double excess() const;
 
-  /// Forces for given nodal increments (dim per local node, m) and body increments of the step (per point); writes
+  /// Forces for given nodal increments (dim for each of n_nodes, m) and body increments of the step (per point); writes
   /// trial history. `committed` are the bodies at the start of the step.
   const PointForces& evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
-                              const double* nodal_increment);
+                              const double* increment, std::size_t n_nodes);
 
   /// What the last evaluation returned.
   const PointForces& points_of_last_evaluation() const { return points; }
@@ -191,7 +191,8 @@ private:
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
     Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
     Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
-    KnownDistance known;                                  ///< in the body's frame
+    Eigen::Vector3d in_body;                              ///< the corner in the last evaluation, in the body's frame, m
+    KnownDistance known;                                  ///< so too
     bool on_plane = false;                                ///< a plane stands for the surface
     ClosestPoint plane; ///< that touches the surface, with the gap of the corner at the start of the step; in the
                         ///< body's frame
@@ -200,15 +201,32 @@ private:
     Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
   };
 
+  /// What evaluations need of a pair that is far from touching, so that they leave it alone.
+  struct Rest
+  {
+    unsigned int point, surface;
+    double lever;          ///< distance of the corner from the body's origin at the start of the step, m
+    double clearance = 0.; ///< m that they may go against each other, from the start of the step, without touching
+    bool asleep = false;   ///< the last response is that of a pair that touches nothing
+  };
+  /// Bound on how far a body takes a corner that goes with it: `shift` + `turn` * lever, m.
+  struct Approach
+  {
+    double shift, turn;
+  };
+
+  static std::vector<Approach> find_approaches(const RigidSystems& committed, const std::vector<Pose>& moved);
+  void wake_all();
   /// Chooses the reference gap with which the pair presses at the start of the step as it did at the end of the last.
   static void settle(Pair& pair, const RigidSystems& bodies);
   /// The history of a parent's corners against one surface goes to its children.
   void inherit(const Split<dim>& split, std::uint32_t surface, const std::map<Key, History>& of_parent,
                const RigidSystems& bodies);
-  Eigen::Vector3d corner_displacement(const Pair& pair, const double* nodal_increment) const;
+  Eigen::Vector3d corner_displacement(unsigned int point) const;
   /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
   static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,
                                                   const Eigen::Vector3d& x, double distance);
+  static void settle_down(const Pair& pair, const Surface& surface, Rest& rest);
   static void fade(Pair& pair, const Eigen::Vector3d& carried);
   /// Forces and trial history of a pair at its position, its body having moved.
   void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
@@ -216,6 +234,8 @@ private:
   ContactParameters parameters;
   MPI_Comm communicator;
   std::vector<Pair> pairs;
+  std::vector<Rest> rests;             ///< by pair
+  std::vector<double> nodal_increment; ///< of the last evaluation, m
   PointForces points;
   std::map<Key, History> history;
   std::map<Key, History> waiting; ///< that of particles that the last search did not see: outside the window

@@ -23,8 +23,8 @@ struct ParticleArrays
   View<double*> trial_plastic;                 ///< increment of the equivalent plastic strain
   StateView state, trial_state;                ///< the laws' state variables: committed; at the step's end
   // of the trial increment (assembly/deformation.h)
-  View<double*[9]> trial_deformation; ///< dF, without what F-bar adds, column by column
-  View<double*[12]> trial_frame;      ///< principal values of dF b dF^T, then their directions, one after the other
+  View<double* [9]> trial_deformation; ///< dF, without what F-bar adds, column by column
+  View<double* [12]> trial_frame;      ///< principal values of dF b dF^T, then their directions, one after the other
 };
 
 /// What happens to an array that mirrors a field when a step is committed.

@@ -81,7 +81,7 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
       for (unsigned int d = 0; d < dim; ++d)
         increment[dim * v + d] = field(node_position(v), d);
     box_increments = {box_increment};
-    return contact.evaluate(bodies, box_increments, increment.data());
+    return contact.evaluate(bodies, box_increments, increment.data(), increment.size() / dim);
   }
   const PointForces& evaluate_at_rest()
   {
