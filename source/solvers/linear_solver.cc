@@ -163,6 +163,7 @@ struct LinearSolver::Implementation
     list->set("Maximum Iterations", static_cast<int>(max_iterations));
     list->set("Num Blocks", static_cast<int>(std::min(max_iterations, 100u)));
     list->set("Convergence Tolerance", tolerance);
+    list->set("Orthogonalization", "DGKS"); // a second pass only where the first one loses digits
     list->set("Verbosity", static_cast<int>(Belos::Errors));
     Belos::BlockGmresSolMgr<double, MultiVector, Operator> solver(problem, list);
     LinearReport report;
