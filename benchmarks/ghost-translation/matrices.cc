@@ -1,5 +1,6 @@
 #include "matrices.h"
 #include <algorithm>
+#include <kedge/assembly/deformation.h>
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/system.h>
 #include <kedge/basis/active_nodes.h>
@@ -171,8 +172,9 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
     return {consistent_mass(stencils, particles.volume, nodes.n_local()), first_component(ghost(), dim)};
   }
   const Materials materials = make_materials();
+  deform<dim>(arrays, stencils, at_rest);
   return {assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
-                   { add_tangent<dim>(arrays, stencils, materials, at_rest, graph, values); }),
+                   { add_tangent<dim>(arrays, stencils, materials, graph, values); }),
           ghost()};
 }
 

@@ -130,7 +130,7 @@ void tangent(benchmark::State& state, const unsigned int law, const double shift
   const Block block(law, shift);
   update_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.force);
   for (auto _ : state)
-    add_tangent<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.system->graph(),
+    add_tangent<3>(block.particles.arrays(), block.stencils, block.materials, block.system->graph(),
                    block.system->values());
   block.report(state);
 }
@@ -143,7 +143,7 @@ void newton_iteration(benchmark::State& state, const unsigned int law, const dou
   {
     update_stress_and_force<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.force);
     block.system->clear_matrix();
-    add_tangent<3>(block.particles.arrays(), block.stencils, block.materials, block.increment, block.system->graph(),
+    add_tangent<3>(block.particles.arrays(), block.stencils, block.materials, block.system->graph(),
                    block.system->values());
   }
   block.report(state);

@@ -9,6 +9,29 @@ namespace kedge
 {
 namespace
 {
+/// Two sums a component, which do not wait for each other.
+template <int dim>
+void add_mass_product(const NodeGraph& graph, const NodalMass& mass, const double factor, const NodalVector& x,
+                      const NodalVector& result)
+{
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  Kokkos::parallel_for(
+      "mass times vector", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        double sum[2][dim] = {};
+        const std::size_t end = row_begin(row + 1);
+        for (std::size_t k = row_begin(row); k < end; k += 2)
+          for (std::size_t odd = 0; odd < 2 && k + odd < end; ++odd)
+            for (int c = 0; c < dim; ++c)
+              sum[odd][c] += mass(k + odd) * x(static_cast<std::size_t>(dim) * column(k + odd) + c);
+        for (int c = 0; c < dim; ++c)
+          result(static_cast<std::size_t>(dim) * row + c) += factor * (sum[0][c] + sum[1][c]);
+      });
+}
+} // namespace
+
+namespace
+{
 /// Relative residual of the projection. The increments that follow from it need this accuracy.
 constexpr double projection_tolerance = 1e-12;
 /// What will do where round-off allows no more: far below what a step is solved to.
@@ -77,18 +100,7 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
 void add_mass_times(const NodeGraph& graph, const NodalMass& mass, const double factor, const NodalVector& x,
                     const NodalVector& result)
 {
-  const auto row_begin = graph.row_begin;
-  const auto column = graph.column;
-  const unsigned int dim = graph.dim;
-  Kokkos::parallel_for(
-      "mass times vector", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
-        double sum[3] = {0., 0., 0.};
-        for (std::size_t k = row_begin(row); k < row_begin(row + 1); ++k)
-          for (unsigned int c = 0; c < dim; ++c)
-            sum[c] += mass(k) * x(static_cast<std::size_t>(dim) * column(k) + c);
-        for (unsigned int c = 0; c < dim; ++c)
-          result(static_cast<std::size_t>(dim) * row + c) += factor * sum[c];
-      });
+  (graph.dim == 3 ? add_mass_product<3> : add_mass_product<2>)(graph, mass, factor, x, result);
 }
 
 void add_mass_matrix(const NodeGraph& mass_graph, const NodalMass& mass, const double factor, const NodeGraph& graph,

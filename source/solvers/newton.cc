@@ -130,7 +130,8 @@ std::string reason_to_give_up(const NewtonReport& report, const double measure, 
 }
 } // namespace
 
-NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters)
+NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
+                          const std::optional<NewtonStart>& start)
 {
   NewtonReport report;
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
@@ -138,7 +139,9 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   // What residuals are compared with may follow the solution, but never within a line search.
   const auto renewed = [&](const double measured)
   { return problem.renew_measure && std::isfinite(measured) ? problem.renew_measure(residual) : measured; };
-  double measure = renewed(problem.residual(x, residual));
+  if (start)
+    Tpetra::deep_copy(residual, start->residual);
+  double measure = renewed(start ? start->measure : problem.residual(x, residual));
   report.residuals.push_back(measure);
   double linear_tolerance = loosest, damping = 0., lowest = measure;
   unsigned int without_progress = 0;

@@ -124,8 +124,8 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   { return solve_linearised(x, r, dx, how); };
   context.soil.contact().reset_multipliers();
   keep_unbalanced();
-  choose_start(problem);
-  NewtonReport report = solve_newton(problem, *increment, context.solver);
+  const std::optional<NewtonStart> start = choose_start(problem);
+  NewtonReport report = solve_newton(problem, *increment, context.solver, start);
   double factor = 1., excess = context.soil.contact().excess();
   for (unsigned int round = 0; report.converged && excess > 1.; ++round)
   {
@@ -227,13 +227,14 @@ template <int dim> void ImplicitStep<dim>::keep_unbalanced()
   kept_unbalanced = start;
 }
 
-template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
+/// Returns its residual if that was evaluated last.
+template <int dim> std::optional<NewtonStart> ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
 {
   const Prediction& prediction = context.soil.prediction();
   increment->putScalar(0.);
   rigid_unknowns->set_rigid(*increment, rigid_unknowns->pick(start_increments(context.bodies, rigid_step())));
   if (!prediction)
-    return;
+    return {};
   TpetraVector guess(increment->getMap()), r(increment->getMap());
   {
     auto view = guess.getLocalViewHost(Tpetra::Access::OverwriteAll);
@@ -243,9 +244,11 @@ template <int dim> void ImplicitStep<dim>::choose_start(const NewtonProblem& new
   }
   system->zero_constrained(*rigid_unknowns->nodal(guess));
   rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(context.bodies, rigid_step())));
-  const double at_rest = newton.residual(*increment, r);
-  if (newton.residual(guess, r) < at_rest)
-    Tpetra::deep_copy(*increment, guess);
+  const double at_rest = newton.residual(*increment, r), at_guess = newton.residual(guess, r);
+  if (!(at_guess < at_rest))
+    return {};
+  Tpetra::deep_copy(*increment, guess);
+  return NewtonStart{r, at_guess};
 }
 
 /// The solution as a guess for the next step.

@@ -5,6 +5,7 @@
 #include <kedge/base/tpetra.h>
 #include <kedge/solvers/linear_solver.h>
 #include <kedge/solvers/parameters.h>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,19 @@ struct NewtonProblem
       solve;
 };
 
-/// Finds r(x) = 0 from the given x by x <- x - alpha dx. The linear tolerance follows Eisenstat & Walker 1996
-/// (SIAM J. Sci. Comput. 17(1), choice 2). A full step (alpha = 1) that lowers the residual norm is taken. Otherwise a
-/// line search finds the alpha at which the work of the residual along the step has almost vanished (Matthies & Strang
-/// 1979), and the next tangents are damped in the manner of Levenberg (1944, Quart. Appl. Math. 2) and Marquardt (1963,
-/// J. SIAM 11). The damping decreases while full steps succeed. A system that the linear solver cannot solve is damped
-/// too. If full steps converge, there is no damping.
-NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters);
+/// r(x) where it is known already, its evaluation having been the last one.
+struct NewtonStart
+{
+  TpetraVector residual;
+  double measure;
+};
+
+/// Finds r(x) = 0 from the given x, where r is `start` if that is given, by x <- x - alpha dx. The linear tolerance
+/// follows Eisenstat & Walker 1996 (SIAM J. Sci. Comput. 17(1), choice 2). A full step (alpha = 1) that lowers the
+/// residual norm is taken. Otherwise a line search finds the alpha at which the work of the residual along the step has
+/// almost vanished (Matthies & Strang 1979), and the next tangents are damped in the manner of Levenberg (1944, Quart.
+/// Appl. Math. 2) and Marquardt (1963, J. SIAM 11). The damping decreases while full steps succeed. A system that the
+/// linear solver cannot solve is damped too. If full steps converge, there is no damping.
+NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
+                          const std::optional<NewtonStart>& start = {});
 } // namespace kedge

@@ -22,11 +22,10 @@ public:
     test::internal_force(*block, *system, increment, cells); // the shared pressure comes from these stresses
     local_increment = system->spread(increment);
     system->clear_matrix();
-    add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, local_increment,
-                     system->graph(), system->values(), cells);
+    add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, system->graph(),
+                     system->values(), cells);
     system->finish_matrix();
-    derivative = linearise_force<dim>(block->particles.arrays(), block->parts->stencils, block->materials,
-                                      local_increment, cells, 0.);
+    derivative = linearise_force<dim>(block->particles.arrays(), block->parts->stencils, block->materials, cells, 0.);
     product = std::make_unique<NodalOperator>(
         *system, [this](const NodalVector& direction, const NodalVector& result)
         { add_linearised_force<dim>(block->parts->stencils, cells, derivative, direction, result); });

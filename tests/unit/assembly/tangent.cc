@@ -1,6 +1,7 @@
 #include "block.h"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <kedge/assembly/deformation.h>
 #include <kedge/solvers/linear_solver.h>
 
 using namespace kedge;
@@ -23,8 +24,9 @@ public:
   void assemble(const TpetraVector& increment)
   {
     system->clear_matrix();
-    add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, system->spread(increment),
-                     system->graph(), system->values(), cells);
+    deform<dim>(block->particles.arrays(), block->parts->stencils, system->spread(increment));
+    add_tangent<dim>(block->particles.arrays(), block->parts->stencils, block->materials, system->graph(),
+                     system->values(), cells);
     system->finish_matrix();
   }
 

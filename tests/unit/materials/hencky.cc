@@ -67,6 +67,24 @@ TEST(PrincipalFrame, DirectionsAreARotation)
     ASSERT_NEAR(principal_frame(random.symmetric(1.)).directions.determinant(), 1., 1e-14);
 }
 
+TEST(PrincipalFrame, OfThePlaneKeepsTheThirdAxis)
+{
+  const auto tensor = [](const double xx, const double yy, const double zz, const double xy)
+  { return SymmetricTensor((SymmetricTensor() << xx, yy, zz, xy, 0., 0.).finished()); };
+  const std::array<SymmetricTensor, 5> tensors{{tensor(2., 1., 1.5, 0.3), tensor(1., 2., 0.5, -0.3),
+                                                tensor(1., 1., 3., 0.2), tensor(1., 1., 1., 0.),
+                                                tensor(1., 1. + 1e-15, 2., 1e-16)}};
+  for (const SymmetricTensor& s : tensors)
+  {
+    const PrincipalFrame frame = plane_frame(s);
+    EXPECT_EQ(frame.values[2], s[2]);
+    EXPECT_LT((frame.directions.col(2) - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
+    EXPECT_LT((frame.directions * frame.directions.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_NEAR(frame.directions.determinant(), 1., 1e-14);
+    EXPECT_LT((from_principal(frame.values, frame.directions) - s).norm(), 1e-14);
+  }
+}
+
 TEST(PrincipalFrame, EigenvaluesOfEigen)
 {
   RandomStrain random(4);
