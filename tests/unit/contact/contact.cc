@@ -72,44 +72,6 @@ TYPED_TEST(PressedBox, MeetsTheSoilDuringTheStep)
   EXPECT_NEAR(block.load()[2], expected, 1e-8 * expected);
 }
 
-/// Pairs that an evaluation leaves alone answer as if it had looked at them.
-TYPED_TEST(PressedBox, ForgetsEarlierEvaluationsOfTheStep)
-{
-  constexpr int dim = TypeParam::value;
-  typename TestFixture::Block block(0.3, -3e-2);
-  block.find_pairs(0.3);
-  struct Motion
-  {
-    double soil, box, turn;
-  };
-  // at rest, near, pressed at one end, far off, pressed everywhere, farther off, near again and pressed again
-  for (const Motion motion : {Motion{0., 0., 0.},
-                              {0., -0.02, 0.},
-                              {0., -0.02, 0.04},
-                              {-0.2, 0.1, 0.},
-                              {0.01, -0.03, -0.02},
-                              {-1., 3., 1.},
-                              {0., -0.025, 0.},
-                              {0., -0.035, 0.01}})
-  {
-    Vector6 step = test::translation(2e-3, 0., motion.box);
-    step[4] = motion.turn;
-    const auto field = [&](const auto& x, const unsigned int d)
-    { return this->shaken(x, d) + (d == dim - 1 ? motion.soil : 0.); };
-    typename TestFixture::Block fresh(0.3, -3e-2);
-    fresh.find_pairs(0.3);
-    const PointForces& expected = fresh.evaluate(field, step);
-    const PointForces& points = block.evaluate(field, step);
-    EXPECT_EQ(points.force, expected.force);
-    EXPECT_EQ(points.tangent, expected.tangent);
-    EXPECT_EQ(block.contact.n_active(), fresh.contact.n_active());
-    RigidSystems moved = std::move(fresh.bodies);
-    moved.points[0].pose = moved.points[0].pose.moved(step);
-    EXPECT_EQ(block.contact.smallest_gaps(moved), fresh.contact.smallest_gaps(moved));
-  }
-  EXPECT_GT(block.contact.n_active(), 0);
-}
-
 TYPED_TEST(PressedBox, ActsOnTheSoilAsTheSoilActsOnIt)
 {
   // forces and moments about the origin, with nodes and box where the increments have put them
