@@ -202,6 +202,23 @@ ClosestPoint Surface::Tree::describe(const Eigen::Vector3d& x, const Nearest& ne
   return {gap, nearest.point, normal, part.feature, part.tangent, triangle, part.normal};
 }
 
+double Surface::Tree::least_distance(const Eigen::Vector3d& x) const
+{
+  if (n_queries < n_grid_cells && ++n_queries < n_grid_cells)
+    return 0.;
+  std::call_once(has_grid,
+                 [this]
+                 {
+                   grid.emplace(nodes[0].lower, nodes[0].upper, n_grid_cells,
+                                [this](const Eigen::Vector3d& at)
+                                {
+                                  const Nearest found = nearest(at, std::numeric_limits<double>::infinity());
+                                  return std::copysign(std::sqrt(found.squared_distance), describe(at, found).gap);
+                                });
+                 });
+  return grid->least_distance(x);
+}
+
 Surface::Surface(TriangleMesh mesh) : tree(std::make_unique<Tree>(std::move(mesh))) {}
 Surface::~Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
@@ -239,6 +256,8 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
   const double to_box = tree->nodes[0].squared_distance(x);
   if (to_box > distance * distance)
     return std::nullopt;
+  if (to_box == 0. && (1. - margin) * tree->least_distance(x) > distance)
+    return std::nullopt;
   // A point inside the box may lie deep in the body; only the sign tells, so the search has no limit there.
   double squared_limit = to_box > 0. ? distance * distance : std::numeric_limits<double>::infinity();
   if (!std::isnan(known.signed_distance))
@@ -260,9 +279,10 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
 double Surface::least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const
 {
   const double to_box = std::sqrt(tree->nodes[0].squared_distance(x));
+  const double least = to_box > 0. ? to_box : (1. - margin) * tree->least_distance(x);
   return std::isnan(known.signed_distance)
-             ? to_box
-             : std::max(to_box, (1. - margin) * (known.signed_distance - (x - known.at).norm()));
+             ? least
+             : std::max(least, (1. - margin) * (known.signed_distance - (x - known.at).norm()));
 }
 
 bool Surface::surely_farther_than(const Eigen::Vector3d& x, double distance) const

@@ -1,7 +1,12 @@
 // The bounding-volume tree of a surface, for the queries that descend it.
 #pragma once
 
+#include "surface_grid.h"
+
+#include <atomic>
 #include <kedge/bodies/surface.h>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 namespace kedge
@@ -67,6 +72,8 @@ struct Surface::Tree
 
   surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit) const;
   ClosestPoint describe(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
+  /// A distance (m) that the gap at x in the bounding box is not below; 0 where that is not known.
+  double least_distance(const Eigen::Vector3d& x) const;
 
   TriangleMesh mesh;
   std::vector<surface_tree::Node> nodes;
@@ -76,6 +83,11 @@ struct Surface::Tree
 
 private:
   static constexpr unsigned int leaf_size = 4;
+  /// Cells of the grid, and queries in the bounding box after which it is worth its set-up.
+  static constexpr unsigned int n_grid_cells = 16384;
+  mutable std::atomic<unsigned int> n_queries{0};
+  mutable std::once_flag has_grid;
+  mutable std::optional<DistanceGrid> grid;
   void grow(std::vector<unsigned int>::iterator begin, std::vector<unsigned int>::iterator end);
   void find_parts();
 };
