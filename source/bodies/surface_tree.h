@@ -1,9 +1,8 @@
 // The bounding-volume tree of a surface, for the queries that descend it.
 #pragma once
 
-#include "surface_grid.h"
-
 #include <atomic>
+#include <kedge/bodies/distance_grid.h>
 #include <kedge/bodies/surface.h>
 #include <mutex>
 #include <optional>

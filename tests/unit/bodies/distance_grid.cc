@@ -1,7 +1,6 @@
-#include "../../../source/bodies/surface_grid.h"
-
 #include "shapes.h"
 #include <gtest/gtest.h>
+#include <kedge/bodies/distance_grid.h>
 #include <random>
 
 using namespace kedge;

@@ -1,4 +1,4 @@
-#include "surface_grid.h"
+#include <kedge/bodies/distance_grid.h>
 
 #include <algorithm>
 #include <cmath>
