@@ -63,6 +63,8 @@ ParticleArrays make_arrays(const std::size_t n, const double volume)
   arrays.trial_stress = View<double* [6]>("stress", n);
   arrays.trial_plastic = View<double*>("plastic", n);
   arrays.cell_size = View<double*>("cell size", n);
+  arrays.trial_deformation = View<double* [9]>("dF", n);
+  arrays.trial_frame = View<double* [12]>("frame", n);
   arrays.state = arrays.trial_state = StateView("state", n);
   return arrays;
 }

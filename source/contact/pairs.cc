@@ -27,13 +27,12 @@ constexpr double farthest_reference = 0.25;
 /// The same for corners off the surface that are not bonded.
 constexpr double farthest_off = 0.02;
 
-/// Springs and limits of a corner that stands for its share of a face of its particle (m3, in 2-D m2; young: Pa).
+/// Springs and limits of a corner that stands for its share of a face of its particle (size: m, young: Pa).
 template <int dim>
 ContactStiffness make_stiffness(const ContactParameters& parameters, const InterfaceParameters& interface,
-                                const double volume, const double young)
+                                const double size, const double young)
 {
-  const double size = std::pow(volume, 1. / dim);
-  const double area = std::pow(size, dim - 1);
+  const double area = dim == 3 ? size * size : size;
   const double corner_share = dim == 3 ? 0.25 : 0.5; // of the particle's face
   const double unit = young * area / size * corner_share;
   return {parameters.normal_penalty_factor * unit, parameters.tangential_penalty_factor * unit,
@@ -130,6 +129,8 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   for (const WeldedSurface& welded : bodies.surfaces)
     interfaces.push_back(welded.interface.or_else(parameters.interface));
 
+  std::vector<std::pair<std::size_t, std::vector<unsigned int>>> near_bodies;
+  std::size_t n_pairs = 0; // at most; pairs are large, so their memory must not be copied while it grows
   for (std::size_t p = 0; p < particles.centre.size(); ++p)
   {
     if (!waiting.empty())
@@ -138,9 +139,17 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     double radius = reach + particles.travel[p];
     for (const double half : particles.half_width[p])
       radius += 2. * half;
-    const std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);
+    std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);
     if (near.empty())
       continue;
+    n_pairs += near.size() << dim;
+    near_bodies.emplace_back(p, std::move(near));
+  }
+  pairs.reserve(n_pairs);
+  rests.reserve(n_pairs);
+  for (const auto& [p, near] : near_bodies)
+  {
+    const double size = std::pow(particles.initial_volume[p], 1. / dim);
     for (unsigned int corner = 0; corner < (1u << dim); ++corner)
     {
       std::array<double, dim> x;
@@ -156,10 +165,9 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         pair.key = {particles.id[p], corner, s};
         pair.point = point;
         pair.start = to_world<dim>(x);
-        pair.stiffness =
-            make_stiffness<dim>(parameters, interfaces[s], particles.initial_volume[p], particles.young[p]);
+        pair.stiffness = make_stiffness<dim>(parameters, interfaces[s], size, particles.young[p]);
         pair.bonds = interfaces[s].bonded.value_or(false);
-        pair.size = std::pow(particles.initial_volume[p], 1. / dim);
+        pair.size = size;
         const auto entry = history.find(pair.key);
         if (entry != history.end())
           pair.committed = entry->second;
