@@ -145,8 +145,11 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     n_pairs += near.size() << dim;
     near_bodies.emplace_back(p, std::move(near));
   }
-  pairs.reserve(n_pairs);
-  rests.reserve(n_pairs);
+  if (n_pairs > pairs.capacity())
+  {
+    pairs.reserve(n_pairs + n_pairs / 4); // more than now, so that the next steps find room
+    rests.reserve(n_pairs + n_pairs / 4);
+  }
   for (const auto& [p, near] : near_bodies)
   {
     const double size = std::pow(particles.initial_volume[p], 1. / dim);
