@@ -43,7 +43,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("rap: fix zero diagonals", true);
   list.set("max levels", 6);
   list.set("rap: triple product", false); // three times as slow as two products in Trilinos 13
-  list.set("reuse: type", "RP");
+  list.set("reuse: type", "RP");          // renew() keeps aggregates and prolongators: the matrix keeps its pattern
   list.set("smoother: type", "RELAXATION");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("relaxation: type", "Symmetric Gauss-Seidel");
