@@ -23,8 +23,7 @@ template <int dim> struct DeformationKernel
       // in an order that visits nodes close in memory
       const unsigned int p = stencils.pattern_particles(first + (i < n ? i : 0));
       const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
-      for (int j = 0; j < 9; ++j)
-        particles.trial_deformation(p, j) = dF(j % 3, j / 3);
+      set_matrix(particles.trial_deformation, p, dF);
       frames.set(i, internal::push_forward(dF, row_of(particles.elastic_left_cauchy_green, p)));
       admissible[i] = determinant(dF) > 0.;
     }

@@ -85,7 +85,7 @@ template <int dim> struct PathKernel
     }
     Matrix3d dF = Matrix3d::Identity();
     dF.template topLeftCorner<dim, dim>() = f.template topRows<dim>();
-    write(path.deformation, p, dF);
+    set_matrix(path.deformation, p, dF);
     return path.volume_change(p) = determinant(dF);
   }
 
@@ -98,7 +98,7 @@ template <int dim> struct PathKernel
     for (unsigned int i = 0; i < width; ++i)
     {
       const unsigned int p = particle(i < n ? i : 0);
-      const Matrix3d dF = read(path.deformation, p);
+      const Matrix3d dF = matrix_of(path.deformation, p);
       frames.set(i, internal::push_forward(stretched(dF, factor(p)), row_of(path.pulled_back, p)));
     }
     frames.find();
@@ -124,8 +124,8 @@ template <int dim> struct PathKernel
                                                materials(particles.layer(p)), state);
     if (update.status == Status::inverted)
       return false;
-    const Matrix3d to_start = inverse(read(path.deformation, p));
-    write(path.deformation, p, to_start);
+    const Matrix3d to_start = inverse(matrix_of(path.deformation, p));
+    set_matrix(path.deformation, p, to_start);
     if (update.status != Status::elastic)
       set_row(path.pulled_back, p, internal::push_forward(stretched(to_start, 1. / factor), b));
     set_trial(particles, p, update, particles.trial_plastic(p) + update.plastic_increment);
@@ -136,7 +136,7 @@ template <int dim> struct PathKernel
   KEDGE_FUNCTION void add_force(const unsigned int p, const SymmetricTensor& stress) const
   {
     const Matrix3d flux =
-        integration_volume(particles, stencils, p) * full_matrix(stress) * read(path.deformation, p).transpose();
+        integration_volume(particles, stencils, p) * full_matrix(stress) * matrix_of(path.deformation, p).transpose();
     Eigen::Matrix<double, packed, dim> columns = Eigen::Matrix<double, packed, dim>::Zero();
     columns.template topRows<dim>() = flux.template topLeftCorner<dim, dim>();
     const ParticleNodes at = nodes_of(stencils, p);
@@ -156,20 +156,6 @@ template <int dim> struct PathKernel
   {
     f.template topLeftCorner<dim, dim>() *= factor;
     return f;
-  }
-
-  KEDGE_FUNCTION static Matrix3d read(const View<double* [9]>& view, const unsigned int p)
-  {
-    Matrix3d m;
-    for (int i = 0; i < 9; ++i)
-      m(i % 3, i / 3) = view(p, i);
-    return m;
-  }
-
-  KEDGE_FUNCTION static void write(const View<double* [9]>& view, const unsigned int p, const Matrix3d& m)
-  {
-    for (int i = 0; i < 9; ++i)
-      view(p, i) = m(i % 3, i / 3);
   }
 };
 } // namespace

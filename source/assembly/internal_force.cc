@@ -17,7 +17,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
         const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
-        const Eigen::Matrix3d dF = trial_deformation(particles, p);
+        const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
         const StressUpdate update = update_stress(trial_frame<dim>(particles, factor, p),
                                                   {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
                                                   materials(particles.layer(p)), &particles.trial_state(p, 0));

@@ -19,7 +19,7 @@ template <int dim> struct LineariseKernel
 
   KEDGE_FUNCTION void particle(const unsigned int p) const
   {
-    const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
+    const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
     SpatialTangent tangent;
     points.evaluate(p, determinant(dF), tangent);
     store(p, pull_back(tangent, dF, integration_volume(points.particles, points.stencils, p)).value);
@@ -33,12 +33,12 @@ template <int dim> struct LineariseKernel
     CellTerms<dim> terms;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
-      const double volume = integration_volume(points.particles, points.stencils, p);
+      const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
+      const double volume = integration_volume(points.particles, points.stencils, p), J = determinant(dF);
       SpatialTangent tangent;
-      const PointDilation dilation = points.evaluate(p, determinant(dF), tangent);
+      const PointDilation dilation = points.evaluate(p, J, tangent);
       compliance += volume * dilation.compliance;
-      total += volume * determinant(dF);
+      total += volume * J;
       pulled = pull_back(tangent, dF, volume);
       terms = pull_back(dilation, dF, volume);
       if (end - begin > 1)

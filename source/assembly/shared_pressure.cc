@@ -56,7 +56,7 @@ template <int dim> struct SharedPressureKernel
     bool admissible = true;
     for (unsigned int p = begin; p < end; ++p)
     {
-      const double J = determinant(trial_deformation(particles, p));
+      const double J = determinant(matrix_of(particles.trial_deformation, p));
       admissible = admissible && J > 0.;
       const SymmetricTensor b = row_of(particles.elastic_left_cauchy_green, p);
       for (int i = 0; i < 3; ++i)

@@ -39,7 +39,7 @@ template <int dim> struct TangentKernel
   KEDGE_FUNCTION void contract(const unsigned int p, const unsigned int n, const unsigned int width, double* contracted,
                                double* spatial_gradient) const
   {
-    const Eigen::Matrix3d dF = trial_deformation(points.particles, p);
+    const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
     SpatialTangent tangent;
     const PointDilation dilation = points.evaluate(p, determinant(dF), tangent);
     if (!points.cells.empty())

@@ -49,7 +49,7 @@ template <int dim> struct MeanDilationKernel
   /// Adds a particle's part to the sums of its cell, whose nodes begin at `first`; returns its volume.
   KEDGE_FUNCTION double gather(const unsigned int p, const unsigned int first) const
   {
-    const Eigen::Matrix3d dF = trial_deformation(particles, p);
+    const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double initial = integration_volume(particles, stencils, p), end = initial * determinant(dF);
     const ParticleNodes nodes = nodes_of(stencils, p);

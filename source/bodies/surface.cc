@@ -284,9 +284,4 @@ double Surface::least_gap(const Eigen::Vector3d& x, const KnownDistance& known) 
              ? least
              : std::max(least, (1. - margin) * (known.signed_distance - (x - known.at).norm()));
 }
-
-bool Surface::surely_farther_than(const Eigen::Vector3d& x, double distance) const
-{
-  return tree->nodes[0].squared_distance(x) > distance * distance;
-}
 } // namespace kedge

@@ -87,18 +87,18 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
   std::fill(points.force.begin(), points.force.end(), 0.);
   std::fill(points.tangent.begin(), points.tangent.end(), 0.);
   touching.clear();
-  for (std::size_t i = 0; i < pairs.size(); ++i)
+  for (std::size_t k = 0; k < pairs.size(); ++k)
   {
-    Rest& rest = rests[i];
+    Rest& rest = rests[k];
     const Eigen::Vector3d displacement = corner_displacement(rest.point);
     const Approach& approach = approaches[rest.surface];
     if (rest.asleep && displacement.norm() + approach.shift + approach.turn * rest.lever < rest.clearance)
       continue; // as its last response has left it: it touches nothing
-    Pair& pair = pairs[i];
+    Pair& pair = pairs[k];
     const WeldedSurface& welded = committed.surfaces[pair.key.surface];
     pair.position = pair.start + displacement;
     respond(pair, welded.surface, committed.points[welded.point].pose, moved[welded.point]);
-    settle_down(pair, welded.surface, rest);
+    put_to_rest(pair, welded.surface, moved[welded.point], rest);
     if (!pair.active)
       continue;
     touching.push_back({pair.position, pair.force, pair.key.surface});
@@ -113,14 +113,14 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
 }
 
 /// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
-template <int dim> void Contact<dim>::settle_down(const Pair& pair, const Surface& surface, Rest& rest)
+template <int dim> void Contact<dim>::put_to_rest(const Pair& pair, const Surface& surface, const Pose& now, Rest& rest)
 {
   const bool remembers = pair.committed.bonded || pair.committed.multiplier != 0. ||
                          pair.committed.reference_gap != 0. || pair.augmented.multiplier != 0.;
   rest.asleep = !(pair.active || remembers || std::isfinite(pair.gap));
   if (rest.asleep)
-    rest.clearance = std::max(rest.clearance, surface.least_gap(pair.in_body, pair.known) - pair.slip.norm() -
-                                                  wakes_before * pair.size);
+    rest.clearance = std::max(rest.clearance, surface.least_gap(now.to_body(pair.position), pair.known) -
+                                                  pair.slip.norm() - wakes_before * pair.size);
 }
 
 /// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
@@ -172,7 +172,6 @@ void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& befor
 
   const bool bonded = pair.committed.bonded;
   const Eigen::Vector3d x = now.to_body(pair.position);
-  pair.in_body = x;
   pair.slip = x - before.to_body(pair.start); // as the body sees it
   pair.reference_gap = pair.committed.reference_gap;
   if (!bonded && pair.reference_gap != 0.) // most have none

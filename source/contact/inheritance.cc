@@ -87,8 +87,7 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
       const Eigen::Vector3d centre = bodies.points[welded.point].pose.to_body(to_world<dim>(split.centre));
       const bool is_known = std::any_of(of_parent.begin(), of_parent.end(),
                                         [&](const auto& entry) { return entry.first.surface == surface; });
-      if (is_known ||
-          (!welded.surface.surely_farther_than(centre, radius) && welded.surface.closest_point_within(centre, radius)))
+      if (is_known || welded.surface.closest_point_within(centre, radius))
         inherit(split, surface, of_parent, bodies);
     }
   }

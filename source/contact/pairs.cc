@@ -48,7 +48,7 @@ std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen:
   {
     const WeldedSurface& welded = bodies.surfaces[s];
     const Eigen::Vector3d in_body = bodies.points[welded.point].pose.to_body(x);
-    if (!welded.surface.surely_farther_than(in_body, radius) && welded.surface.closest_point_within(in_body, radius))
+    if (welded.surface.closest_point_within(in_body, radius))
       near.push_back(s);
   }
   return near;

@@ -33,12 +33,10 @@ std::vector<ClosestPoint> surfaces_around(const RigidSystems& bodies, const deal
   {
     const Pose& pose = bodies.points[welded.point].pose;
     const Eigen::Vector3d x = pose.to_body(to_world<dim>(centre));
-    if (welded.surface.surely_farther_than(x, radius))
-      continue;
-    if (auto closest = welded.surface.closest_point(x); closest.gap < radius)
+    if (auto closest = welded.surface.closest_point_within(x, radius); closest && closest->gap < radius)
     {
-      closest.normal = pose.direction_to_world(closest.normal);
-      found.push_back(closest);
+      closest->normal = pose.direction_to_world(closest->normal);
+      found.push_back(*closest);
     }
   }
   return found;

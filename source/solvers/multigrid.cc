@@ -86,6 +86,7 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
   list.sublist("user data").set("Nullspace", near_null_space);
   auto made = std::make_unique<Implementation>();
   made->matrix = matrix;
+  made->block_size = block_size;
   made->sweeps_before = strong ? strong_sweeps : 0;
   made->sweeps_after = strong ? strong_sweeps : sweeps;
   const Teuchos::RCP<TpetraOperator> as_operator = matrix;
@@ -99,7 +100,6 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
     rethrow_if_alone("multigrid");
     return Teuchos::null;
   }
-  made->block_size = block_size;
   made->set_up_finest_level();
   return Teuchos::rcp(new Multigrid(std::move(made)));
 }

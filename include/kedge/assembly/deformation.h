@@ -11,15 +11,6 @@ namespace kedge
 template <int dim>
 void deform(const ParticleArrays& particles, const StencilSet& stencils, const View<double*>& increment);
 
-/// dF of particle p, as deform() has left it.
-KEDGE_FUNCTION Eigen::Matrix3d trial_deformation(const ParticleArrays& particles, const unsigned int p)
-{
-  Eigen::Matrix3d dF;
-  for (int i = 0; i < 9; ++i)
-    dF(i % 3, i / 3) = particles.trial_deformation(p, i);
-  return dF;
-}
-
 /// Principal frame of the trial b of particle p, as deform() has left it, with the volume change of F-bar: that of dF
 /// stretched by the factor of the particle. Without factors it is that of dF.
 template <int dim>

@@ -6,8 +6,8 @@
 
 namespace kedge
 {
-/// Adds |V0 tau grad_x S_v| (N) of every particle to entry dim * v of `size`: its trial stress and dF
-/// are those of the last update_stress_and_force(). Opposite forces of neighbours add up.
+/// Adds |V0 tau grad_x S_v| (N) of every particle to entry dim * v of `size`: its trial stress and dF are
+/// those of the last update_stress_and_force(). Opposite forces of neighbours add up.
 template <int dim>
 void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& size);
 

@@ -149,6 +149,21 @@ KEDGE_FUNCTION void set_row(const View<double* [6]>& view, const unsigned int p,
     view(p, i) = s[i];
 }
 
+/// The same for full 3 x 3 tensors, column by column.
+KEDGE_FUNCTION Eigen::Matrix3d matrix_of(const View<double* [9]>& view, const unsigned int p)
+{
+  Eigen::Matrix3d m;
+  for (int i = 0; i < 9; ++i)
+    m(i % 3, i / 3) = view(p, i);
+  return m;
+}
+
+KEDGE_FUNCTION void set_matrix(const View<double* [9]>& view, const unsigned int p, const Eigen::Matrix3d& m)
+{
+  for (int i = 0; i < 9; ++i)
+    view(p, i) = m(i % 3, i / 3);
+}
+
 /// Writes what a law has returned for particle p to its trial state. `plastic_increment` is that since the start of the
 /// step. State variables are there already: laws write them in place.
 KEDGE_FUNCTION void set_trial(const ParticleArrays& particles, const unsigned int p, const StressUpdate& update,

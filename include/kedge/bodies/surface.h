@@ -135,9 +135,7 @@ public:
                                                    KnownDistance& known) const;
   /// A distance (m) that the gap at x is not below, from the bounding box and what the last query left in `known`; 0
   /// where these tell nothing.
-  double least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const;
-  /// True only if the bounding box alone shows that gap > distance. False does not mean that the point is near.
-  bool surely_farther_than(const Eigen::Vector3d& x, double distance) const;
+  double least_gap(const Eigen::Vector3d& x, const KnownDistance& known = {}) const;
   /// Whether the distance from the surface (not from the solid) to the closed box is at most `distance`, m; exact up to
   /// round-off. A surface that crosses the box, or lies in it, is at distance zero.
   bool comes_within(const OrientedBox& box, double distance) const;

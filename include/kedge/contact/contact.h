@@ -191,8 +191,7 @@ private:
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
     Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
     Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
-    Eigen::Vector3d in_body;                              ///< the corner in the last evaluation, in the body's frame, m
-    KnownDistance known;                                  ///< so too
+    KnownDistance known;                                  ///< in the body's frame
     bool on_plane = false;                                ///< a plane stands for the surface
     ClosestPoint plane; ///< that touches the surface, with the gap of the corner at the start of the step; in the
                         ///< body's frame
@@ -226,7 +225,7 @@ private:
   /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
   static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,
                                                   const Eigen::Vector3d& x, double distance);
-  static void settle_down(const Pair& pair, const Surface& surface, Rest& rest);
+  static void put_to_rest(const Pair& pair, const Surface& surface, const Pose& now, Rest& rest);
   static void fade(Pair& pair, const Eigen::Vector3d& carried);
   /// Forces and trial history of a pair at its position, its body having moved.
   void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;

@@ -195,7 +195,7 @@ TEST(Surface, BoundedQueryAgreesWithTheFullOne)
     const std::optional<ClosestPoint> near = surface.closest_point_within(x, 0.1);
     EXPECT_EQ(near.has_value(), gap <= 0.1) << x.transpose();
     EXPECT_EQ(near ? near->gap : gap, gap);
-    EXPECT_TRUE(gap > 0.1 || !surface.surely_farther_than(x, 0.1));
+    EXPECT_TRUE(gap > 0.1 || !(surface.least_gap(x) > 0.1));
   }
 }
 

@@ -7,7 +7,7 @@ template <typename Dim> class RepeatedContact : public testing::Test
 {
 };
 using Dims = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(RepeatedContact, Dims);
+TYPED_TEST_SUITE(RepeatedContact, Dims, test::DimensionName);
 
 /// Pairs that an evaluation leaves alone answer as if it had looked at them.
 TYPED_TEST(RepeatedContact, ForgetsEarlierEvaluationsOfTheStep)
