@@ -39,6 +39,13 @@ add_test(NAME command-line
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
 add_test(NAME faults COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/faults $<TARGET_FILE:kedge>)
 set_tests_properties(faults PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
+add_test(NAME restarts COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/restarts $<TARGET_FILE:kedge>)
+set_tests_properties(restarts PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
+add_executable(fuzz-server tests/program/fuzz-server.cc)
+target_link_libraries(fuzz-server PRIVATE kedge_simulation)
+add_test(NAME fuzz COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/fuzz $<TARGET_FILE:fuzz-server>
+                           --mutations 300 --runs 0.02 --keep ${PROJECT_BINARY_DIR}/fuzz-faults)
+set_tests_properties(fuzz PROPERTIES LABELS scene TIMEOUT 600)
 add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
 set_tests_properties(commit PROPERTIES LABELS check)
 add_test(NAME benchmark-manufactured COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/benchmarks/manufactured/verify)

@@ -1,8 +1,11 @@
 // The command line: reads arguments, calls one function per subcommand and turns errors into exit codes.
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/environment.h>
+#include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
 #include <kedge/geometry/command.h>
 #include <kedge/simulation/check.h>
@@ -17,7 +20,8 @@ struct Arguments
 {
   std::string file, output;
   std::vector<std::string> overrides;
-  bool cpu = false, quiet = false, verbose = false, restart = false, json = false;
+  bool cpu = false, quiet = false, verbose = false, json = false;
+  std::string restart; ///< "", "yes" or "auto"
 };
 
 ExitCode run(const Arguments& arguments)
@@ -37,8 +41,10 @@ ExitCode run(const Arguments& arguments)
       arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
   options.quiet = arguments.quiet;
   options.verbose = arguments.verbose;
-  options.restart = arguments.restart;
-  return kedge::run_simulation(input, options) ? kedge::success : kedge::told_to_end;
+  options.restart = arguments.restart.empty()     ? kedge::Restart::no
+                    : arguments.restart == "auto" ? kedge::Restart::automatic
+                                                  : kedge::Restart::yes;
+  return kedge::run_simulation(input, options);
 }
 
 void check(const Arguments& arguments)
@@ -61,16 +67,32 @@ void add_file_arguments(CLI::App& command, Arguments& arguments)
       ->take_all();
 }
 
+/// The words for CLI11, in reverse, as it reads a list: without the options that Kokkos reads, and with "--restart
+/// auto" as one word, "--restart=auto", since CLI11 would take "auto" for the input file.
+std::vector<std::string> words_for_cli(const std::vector<std::string>& words)
+{
+  std::vector<std::string> kept;
+  for (const std::string& word : words)
+    if (word == "auto" && !kept.empty() && kept.back() == "--restart")
+      kept.back() += "=auto";
+    else if (word.rfind("--kokkos-", 0) != 0)
+      kept.push_back(word);
+  std::reverse(kept.begin(), kept.end());
+  return kept;
+}
+
 int run_program(kedge::Environment& environment, int argc, char** argv)
 {
   CLI::App app("Kedge: the material point method for anchors, plates, cones and ploughs in soil");
+  app.name("kedge");
   app.require_subcommand(1);
   app.set_version_flag("--version", kedge::describe_versions());
   app.footer(
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
+      "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
       "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
       "            1 too little memory or a mistake in the program,\n"
-      "            143 ended by SIGUSR1 or SIGTERM, after a restart file was written");
+      "            143 ended by SIGTERM or SIGUSR1, 130 by SIGINT (Ctrl-C), after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -80,7 +102,12 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
   run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");
-  run_command.add_flag("--restart", arguments.restart, "Continue from the restart file in the output folder");
+  run_command
+      .add_flag(
+          "--restart{yes}", arguments.restart,
+          "Continue from the newest sound restart file in the output folder; \"--restart auto\": where there is one, "
+          "else begin anew")
+      ->check(CLI::IsMember({"yes", "auto"}));
   ExitCode code = kedge::success;
   run_command.final_callback([&] { code = run(arguments); });
 
@@ -107,12 +134,14 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   kedge::add_geometry_command(app);
   try
   {
-    app.parse(argc, argv);
+    app.parse(words_for_cli({argv + 1, argv + argc}));
   }
   catch (const CLI::ParseError& error)
   {
     return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
   }
+  if (std::fflush(stdout) != 0)
+    throw kedge::FileError("standard output", "cannot be written; see whether the disk is full");
   return code;
 }
 } // namespace

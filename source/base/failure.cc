@@ -6,6 +6,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
+#include <system_error>
 #include <thread>
 
 namespace kedge
@@ -17,6 +18,14 @@ constexpr std::chrono::milliseconds patience(1000), pause(1);
 
 MPI_Comm channel = MPI_COMM_NULL; // of its own: the other ranks may be anywhere in another one
 bool is_alone = false;
+
+/// A message that echoes an input of megabytes helps nobody.
+std::string shortened(const std::string& message)
+{
+  constexpr std::size_t half = 1000;
+  return message.size() <= 2 * half + 100 ? message
+                                          : message.substr(0, half) + " [...] " + message.substr(message.size() - half);
+}
 
 [[noreturn]] void throw_again(const Failure& failure, const std::string& whose)
 {
@@ -31,18 +40,11 @@ bool is_alone = false;
       throw FileError(Whole{failure.path, message});
     case success:
     case mistake:
+    case interrupted:
     case told_to_end:
       break;
   }
   throw ProgramError(message);
-}
-
-void broadcast(std::string& text, const int from, const MPI_Comm communicator)
-{
-  unsigned long size = text.size();
-  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, from, communicator);
-  text.resize(size);
-  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, from, communicator);
 }
 
 /// Equal texts have equal numbers, on every rank (FNV-1a).
@@ -71,7 +73,7 @@ Failure current_failure()
   }
   catch (const InputError& error)
   {
-    return {bad_input, error.path, error.what()};
+    return {bad_input, error.path, shortened(error.what())};
   }
   catch (const SolverError& error)
   {
@@ -84,6 +86,10 @@ Failure current_failure()
   catch (const ProgramError& error)
   {
     return {mistake, "", error.what()};
+  }
+  catch (const std::system_error& error) // of a stream such as the terminal
+  {
+    return {file_failure, "", error.what(), false};
   }
   catch (const std::bad_alloc&)
   {

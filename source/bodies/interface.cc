@@ -30,7 +30,7 @@ Section<InterfaceParameters> interface_section(const bool required)
   using P = InterfaceParameters;
   const std::string otherwise = required ? "" : "; default: that of \"contact\"";
   Section<P> section("The interface between soil and body");
-  const auto friction = maybe(number("-", not_negative()));
+  const auto friction = maybe(number("-", not_negative().at_most(100.)));
   if (required)
     section.required("friction coefficient", &P::friction_coefficient, friction,
                      "Coulomb's coefficient; 0: frictionless");

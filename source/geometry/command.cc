@@ -12,6 +12,9 @@ namespace kedge
 {
 namespace
 {
+/// Facets over a turn or a part of it: a sphere of so many has four million triangles.
+constexpr unsigned int most_segments = 1000;
+
 /// Options of every body: file, translation and density.
 struct Target
 {
@@ -106,6 +109,7 @@ void add_rounding(CLI::App& body, Dimensions& dimensions, const std::string& edg
                   "radius of " + edges + ", at least half the smallest material point; 0: sharp [m]")
       ->capture_default_str();
   body.add_option("--edge-segments", dimensions.rounding.segments, "facets over a quarter turn of the rounding")
+      ->check(CLI::Range(1U, most_segments))
       ->capture_default_str();
 }
 
@@ -116,7 +120,9 @@ void add_length(CLI::App& body, const std::string& name, double& value, const st
 
 void add_sides(CLI::App& body, Dimensions& dimensions)
 {
-  body.add_option("--sides", dimensions.sides, "facets around the axis")->capture_default_str();
+  body.add_option("--sides", dimensions.sides, "facets around the axis")
+      ->check(CLI::Range(3U, most_segments))
+      ->capture_default_str();
 }
 
 void add_plate(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
@@ -157,7 +163,9 @@ void add_sphere(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
   const auto make = [](const Dimensions& d) { return make_sphere(d.radius, d.sphere_segments); };
   CLI::App& sphere = *add_body(geometry, "sphere", "Sphere centred at the origin", d, make);
   add_length(sphere, "--radius", d->radius, "radius [m]");
-  sphere.add_option("--segments", d->sphere_segments, "facets over a quarter of a great circle")->capture_default_str();
+  sphere.add_option("--segments", d->sphere_segments, "facets over a quarter of a great circle")
+      ->check(CLI::Range(1U, most_segments))
+      ->capture_default_str();
 }
 
 void add_box(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
@@ -183,7 +191,7 @@ void add_ac14(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
   add_length(ac14, "--eye-radius", d->shank.eye_radius, "radius of the hole in the shank's eye; 0: none [m]");
   add_length(ac14, "--size", d->part_mesh.size, "edges of the triangles on flat sides [m]");
   ac14.add_option("--edge-segments", d->part_mesh.segments, "facets over a quarter turn of roundings")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1U, most_segments))
       ->capture_default_str();
 }
 } // namespace

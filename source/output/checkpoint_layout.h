@@ -7,7 +7,7 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of the contents.
-constexpr int format_version = 5;
+constexpr int format_version = 6;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields
@@ -16,6 +16,7 @@ template <int dim> constexpr unsigned int node_width = 2 * dim;                /
 constexpr unsigned int body_width =
     3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
 constexpr unsigned int contact_key_width = 3, contact_width = 7;
+constexpr unsigned int surface_width = 3; // vertices, triangles, CRC-32
 
 /// The fields of a particle, as the text "particle fields" lists them. A file with other fields cannot be read.
 inline std::string field_names()
@@ -26,6 +27,9 @@ inline std::string field_names()
       { names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", field.name, n_components(field.kind)); });
   return names;
 }
+
+/// What tells surfaces apart that have the same name in the input: a row for each, in the body's frame.
+std::vector<std::int64_t> describe_surfaces(const RigidSystems& bodies);
 
 /// Value of the text "version".
 inline std::string version_text(const unsigned int dim)

@@ -36,11 +36,23 @@ Json parse(const std::string& text, const std::string& path)
   return json;
 }
 
-/// Whether a stage keeps its steps when its end moves. Explicit stages do not if their basis step is a share of the
-/// time.
-bool steps_are_of_fixed_length(const Json& stage)
+/// The key of a stage that may grow, since its steps stay the same: not where they are shares of the stage, as a
+/// gravity ramp, a body force over the load fraction and the basis step "auto" are.
+const char* key_of_end(const Json& stage, const Json& input)
 {
-  return stage.value("type", "") != "explicit" || (stage.contains("basis step") && stage["basis step"].is_number());
+  if (stage.value("type", "") == "static")
+    return stage.value("load", "") == "full" && !input.at("domain").contains("body force") ? "load steps" : nullptr;
+  if (stage.value("type", "") == "explicit" && !(stage.contains("basis step") && stage["basis step"].is_number()))
+    return nullptr;
+  return "final time";
+}
+
+void forget_names_of_surfaces(Json& input)
+{
+  for (Json& system : input["rigid bodies"])
+    if (system.contains("stl files"))
+      for (Json& surface : system["stl files"])
+        surface.erase("stl");
 }
 
 /// Removes the end of the last stage from both inputs if it is later now: up to the restart file the run is the same.
@@ -49,11 +61,11 @@ void forget_later_end(Json& now, Json& then)
   if (now.at("analysis").size() != then.at("analysis").size())
     return;
   Json &stage = now["analysis"].back(), &stage_then = then["analysis"].back();
-  if (steps_are_of_fixed_length(stage) && stage.contains("final time") && stage_then.contains("final time") &&
-      stage["final time"] > stage_then["final time"])
+  const char* const key = key_of_end(stage, now);
+  if (key && stage.contains(key) && stage_then.contains(key) && stage[key] > stage_then[key])
   {
-    stage.erase("final time");
-    stage_then.erase("final time");
+    stage.erase(key);
+    stage_then.erase(key);
   }
 }
 
@@ -66,15 +78,30 @@ void require_same_input(const std::string& now, const std::string& then, const s
     a.erase(free);
     b.erase(free);
   }
+  for (Json* input : {&a, &b})
+    forget_names_of_surfaces(*input); // the surfaces themselves are compared
   forget_later_end(b, a);
   const Json difference = Json::diff(a, b);
   if (!difference.empty())
-    throw InputError(
-        "restart",
-        fmt::format("{} belongs to an input with another value of {}", path,
-                    difference[0].at("path").get<std::string>()),
-        "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
-        "may differ, and a later \"final time\" of the last stage (explicit: where \"basis step\" is a number)");
+    throw InputError("restart",
+                     fmt::format("{} belongs to an input with another value of {}", path,
+                                 difference[0].at("path").get<std::string>()),
+                     "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
+                     "may differ, and the last stage may have a later \"final time\" (explicit: where \"basis step\" "
+                     "is a number) or "
+                     "more \"load steps\" (with \"load\": \"full\" and no \"body force\")");
+}
+
+/// Throws InputError where a surface is not the one that the file was written with.
+void require_same_surfaces(const RigidSystems& bodies, const std::vector<std::int64_t>& then, const std::string& path)
+{
+  const std::vector<std::int64_t> now = describe_surfaces(bodies);
+  for (std::size_t i = 0; i < std::max(now.size(), then.size()); i += surface_width)
+    if (now.size() != then.size() || !std::equal(&now[i], &now[i] + surface_width, &then[i]))
+      throw InputError(
+          "rigid bodies",
+          fmt::format("surface {} of all bodies is not the one that {} was written with", i / surface_width + 1, path),
+          "restart with the STL files of the first run, or start again without --restart");
 }
 
 /// A point of the grid as whole numbers, which do not depend on round-off.
@@ -226,6 +253,14 @@ template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Re
 }
 } // namespace
 
+unsigned int step_of_checkpoint(const std::string& path)
+{
+  const Json progress = parse(Hdf5Reader(path, MPI_COMM_SELF).read_text("progress"), path);
+  if (!progress.contains("step") || !progress["step"].is_number_unsigned())
+    throw FileError(path, "is damaged: its progress is incomplete");
+  return progress["step"];
+}
+
 template <int dim>
 RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::string& input, const std::string& path)
 {
@@ -239,6 +274,7 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
     throw FileError(
         path, fmt::format("holds other fields of material points, {}; restart with the program that wrote it", fields));
   require_same_input(input, file.read_text("input"), path);
+  require_same_surfaces(bodies, file.read_all<std::int64_t>("surfaces", surface_width), path);
 
   const SoilParts<dim> parts = soil.parts();
   const auto leaves = file.read_all<std::int64_t>("leaves", leaf_width<dim>);
@@ -251,7 +287,9 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
   try
   {
     parts.n_deleted = progress.at("deleted");
-    return progress_from(progress);
+    RunProgress result = progress_from(progress);
+    result.program = file.read_text("program");
+    return result;
   }
   catch (const Json::exception&)
   {

@@ -4,10 +4,30 @@
 #include <kedge/mesh/octree.h>
 #include <kedge/output/hdf5_file.h>
 #include <nlohmann/json.hpp>
+#include <zlib.h>
 
 namespace kedge
 {
 using namespace checkpoint;
+
+std::vector<std::int64_t> checkpoint::describe_surfaces(const RigidSystems& bodies)
+{
+  std::vector<std::int64_t> rows;
+  for (const WeldedSurface& welded : bodies.surfaces)
+  {
+    const TriangleMesh& mesh = welded.surface.mesh();
+    unsigned long crc = ::crc32(0, nullptr, 0);
+    const auto add = [&crc](const auto& entry)
+    { crc = ::crc32(crc, reinterpret_cast<const unsigned char*>(entry.data()), sizeof(entry)); };
+    for (const Eigen::Vector3d& vertex : mesh.vertices)
+      add(vertex);
+    for (const std::array<unsigned int, 3>& triangle : mesh.triangles)
+      add(triangle);
+    rows.insert(rows.end(), {static_cast<std::int64_t>(mesh.vertices.size()),
+                             static_cast<std::int64_t>(mesh.triangles.size()), static_cast<std::int64_t>(crc)});
+  }
+  return rows;
+}
 
 namespace
 {
@@ -102,12 +122,13 @@ void write_bodies(const RigidSystems& bodies, const bool root, Hdf5Writer& file)
 
 template <int dim>
 void write_checkpoint(const Soil<dim>& soil, const RigidSystems& bodies, const RunProgress& progress,
-                      const std::string& input, const std::string& path)
+                      const std::string& input, const std::string& path, const std::string& kept)
 {
   const MPI_Comm communicator = soil.communicator();
   Hdf5Writer file(path, communicator);
   file.write_text("version", version_text(dim));
   file.write_text("particle fields", field_names());
+  file.write_text("program", progress.program);
   file.write_text("input", input);
   file.write_text("progress", to_json(progress, soil.n_deleted()).dump());
   const Window<dim>& window = soil.mesh().leaves().window;
@@ -115,15 +136,16 @@ void write_checkpoint(const Soil<dim>& soil, const RigidSystems& bodies, const R
   planes.insert(planes.end(), window.upper.begin(), window.upper.end());
   const bool root = rank_of(communicator) == 0;
   file.write_rows("window", root ? planes : std::vector<std::int64_t>(), 2 * dim);
+  file.write_rows("surfaces", root ? describe_surfaces(bodies) : std::vector<std::int64_t>(), surface_width);
   write_cells_and_particles(soil, file);
   write_contact(soil.contact(), file);
   write_bodies(bodies, root, file);
   write_prediction(soil, file);
-  file.finish();
+  file.finish(kept);
 }
 
 template void write_checkpoint<2>(const Soil<2>&, const RigidSystems&, const RunProgress&, const std::string&,
-                                  const std::string&);
+                                  const std::string&, const std::string&);
 template void write_checkpoint<3>(const Soil<3>&, const RigidSystems&, const RunProgress&, const std::string&,
-                                  const std::string&);
+                                  const std::string&, const std::string&);
 } // namespace kedge

@@ -2,11 +2,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <fcntl.h>
+#include <filesystem>
 #include <hdf5.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
 #include <kedge/output/hdf5_file.h>
+#include <kedge/output/seal.h>
 #include <numeric>
 #include <sys/resource.h>
 #include <system_error>
@@ -218,13 +220,28 @@ void Hdf5Writer::close_draft()
   if (descriptor >= 0)
   {
     const off_t size = ::lseek(descriptor, 0, SEEK_END);
-    sound = sound && ::ftruncate(descriptor, size) == 0 && ::fsync(descriptor) == 0;
+    sound = sound && ::ftruncate(descriptor, size) == 0;
     ::close(descriptor);
   }
   file = descriptor = -1;
 }
 
-void Hdf5Writer::finish()
+/// At no time is there no file of one of the two names, where the file system knows hard links.
+bool Hdf5Writer::give_name(const std::string& kept) const
+{
+  if (!kept.empty() && ::access(path.c_str(), F_OK) == 0)
+  {
+    std::remove(kept.c_str());
+    if (::link(path.c_str(), kept.c_str()) != 0 && std::rename(path.c_str(), kept.c_str()) != 0)
+      return false;
+  }
+  if (std::rename(draft.c_str(), path.c_str()) != 0)
+    return false;
+  sync_folder(std::filesystem::path(path).parent_path().string());
+  return true;
+}
+
+void Hdf5Writer::finish(const std::string& kept)
 {
   agree(communicator,
         [&]
@@ -232,7 +249,9 @@ void Hdf5Writer::finish()
           if (rank_of(communicator) != 0)
             return;
           close_draft();
-          if (sound && std::rename(draft.c_str(), path.c_str()) == 0)
+          if (sound)
+            seal(draft);
+          if (sound && give_name(kept))
             return;
           std::remove(draft.c_str());
           throw FileError(path, "could not be written in full, the one before is kept; check that the disk has free "
@@ -243,6 +262,12 @@ void Hdf5Writer::finish()
 Hdf5Reader::Hdf5Reader(std::string path_, const MPI_Comm communicator_)
     : path(std::move(path_)), communicator(communicator_)
 {
+  agree(communicator,
+        [&]
+        {
+          if (rank_of(communicator) == 0)
+            require_sealed(path);
+        });
   const Silence silence;
   const Handle access(make_access(), H5Pclose);
   file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);

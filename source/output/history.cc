@@ -92,7 +92,8 @@ void BodyHistory::resume_after(unsigned int step)
     return;
   std::istringstream lines(read_text_file(path));
   std::string line, kept;
-  std::getline(lines, line);
+  if (!std::getline(lines, line) || lines.eof())
+    return; // not even the names of its columns are there: begun anew
   const std::string line_of_names = kept = line + "\n";
   while (std::getline(lines, line))
   {

@@ -104,8 +104,8 @@ Section<OutputParameters> output_section()
   section.include(series_section("csv"), &P::csv);
   section.optional(
       "checkpoint every", &P::checkpoint_every, interval(),
-      "Interval between restart files; without it, a restart file is written at the end of every stage but the last "
-      "one, and when a run fails");
+      "Interval between restart files, of which the last two are kept; without it, a restart file is written at the "
+      "end of every stage but the last one, when a run fails and when a signal ends it");
   section.optional("checkpoint directory", &P::checkpoint_directory, output_folder(), "Folder of the restart files");
   return section;
 }

@@ -49,6 +49,11 @@ void PvdSeries::resume_after(unsigned int step)
 void PvdSeries::add(double time, const std::string& file)
 {
   entries.emplace_back(time, file);
+  write();
+}
+
+void PvdSeries::write() const
+{
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (const auto& [at, name] : entries)
     text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", at, name);

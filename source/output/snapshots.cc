@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
+#include <kedge/output/earlier_files.h>
 #include <kedge/output/snapshots.h>
 
 namespace kedge
@@ -69,13 +70,17 @@ OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::
         });
 }
 
-template <int dim> void OutputWriter<dim>::resume_after(unsigned int step)
+template <int dim> void OutputWriter<dim>::keep_until(const unsigned int step)
 {
-  resumed = vtk_step = csv_step = step;
+  if (step > 0)
+    resumed = vtk_step = csv_step = step;
   agree(communicator,
         [&]
         {
-          if (parameters.csv.on && rank_of(communicator) == 0)
+          if (rank_of(communicator) != 0)
+            return;
+          remove_moments_after(step, vtk_folder, csv_folder);
+          if (step > 0 && parameters.csv.on)
             history.resume_after(step);
         });
 }

@@ -188,7 +188,7 @@ Format<std::string> existing_file()
     if (!fs::exists(path, ignored))
       place.fail("there is no file " + quoted(path.string()),
                  "correct the path; it is relative to the folder of the input file");
-    if (fs::is_directory(path, ignored) || !std::ifstream(path))
+    if (!fs::is_regular_file(path, ignored) || !std::ifstream(path)) // a pipe would wait for its writer
       place.fail(quoted(path.string()) + " cannot be read as a file", "name a file that you may read");
     return path.string();
   };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fmt/format.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/parameters/json.h>
 #include <vector>
@@ -53,7 +54,8 @@ public:
   }
 
 private:
-  static constexpr int out_of_range = 406; // the library's number for it
+  static constexpr int out_of_range = 406;    // the library's number for it
+  static constexpr std::size_t deepest = 100; // deep ones would overflow the stack where they are copied
 
   Json* store(Json value)
   {
@@ -77,6 +79,9 @@ private:
   }
   bool open(Json value)
   {
+    if (nest.size() == deepest)
+      throw InputError(source, fmt::format("objects and lists lie more than {} deep in each other", deepest),
+                       "no key of an input needs that");
     nest.push_back(store(std::move(value)));
     names.emplace_back();
     return true;

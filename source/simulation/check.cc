@@ -1,3 +1,4 @@
+#include "size_limits.h"
 #include <fmt/format.h>
 #include <kedge/parameters/json.h>
 #include <kedge/simulation/check.h>
@@ -8,10 +9,22 @@ namespace kedge
 {
 using schema::Json;
 
+namespace
+{
+/// A scene may be checked on a laptop and run on a cluster of so many of them.
+constexpr double largest_share = 1000.;
+} // namespace
+
 CheckResult check_scene(const Input& input)
 {
+  refuse_excessive_size(input, largest_share * memory_of_machine(),
+                        fmt::format("{:g} machines like this one", largest_share));
   const RigidSystems bodies = make_rigid_systems(input.systems, input.dimension);
-  return {find_warnings(input, bodies), estimate_cost(input)};
+  CheckResult result{find_warnings(input, bodies), estimate_cost(input)};
+  if (const double bytes = least_size(input).bytes; bytes > memory_of_machine())
+    result.warnings.push_back(fmt::format("the scene needs at least {:.3g} GB, more than the {:.3g} GB of this machine",
+                                          1e-9 * bytes, 1e-9 * memory_of_machine()));
+  return result;
 }
 
 std::string format_check(const Input& input, const CheckResult& result, const std::string& name)

@@ -1,28 +1,50 @@
 #include <csignal>
 #include <filesystem>
 #include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
 #include <kedge/simulation/checkpoints.h>
 #include <sstream>
+#include <unistd.h>
 
 namespace kedge
 {
 namespace
 {
 volatile std::sig_atomic_t told = 0; // the signal; a handler can reach nothing else
+volatile std::sig_atomic_t speaks = 0;
+constexpr int all_signals[] = {SIGTERM, SIGINT, SIGUSR1};
 
-void note(const int signal) { told = signal; }
+void note(const int signal)
+{
+  if (speaks != 0 && told == 0)
+  {
+    constexpr char text[] =
+        "\nkedge: told to end: after this step, with a restart file; a second signal ends it at once\n";
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, sizeof(text) - 1);
+  }
+  told = signal;
+  if (signal != SIGUSR1)
+    std::signal(signal, SIG_DFL);
+}
 } // namespace
 
-std::string restart_path(const OutputParameters& parameters, const std::string& output_directory)
+const char* name_of_signal(const int signal)
 {
-  return (std::filesystem::path(output_directory) / parameters.checkpoint_directory / "restart.h5").string();
+  return signal == SIGTERM ? "SIGTERM" : signal == SIGINT ? "SIGINT" : "SIGUSR1";
+}
+
+std::string restart_folder(const OutputParameters& parameters, const std::string& output_directory)
+{
+  return (std::filesystem::path(output_directory) / parameters.checkpoint_directory).string();
 }
 
 CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const std::string& output_directory)
-    : file(restart_path(parameters, output_directory))
+    : names(restart_folder(parameters, output_directory))
 {
   told = 0;
-  std::signal(SIGUSR1, note);
+  speaks = rank_of(MPI_COMM_WORLD) == 0;
+  for (const int signal : all_signals)
+    std::signal(signal, note);
   if (parameters.checkpoint_every.empty())
     return;
   std::istringstream text(parameters.checkpoint_every);
@@ -33,12 +55,11 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
     every_steps = static_cast<unsigned int>(number);
   else
     every_seconds = number * (unit == "h" ? 3600. : unit == "min" ? 60. : 1.);
-  std::signal(SIGTERM, note);
 }
 
 CheckpointSchedule::~CheckpointSchedule()
 {
-  for (const int signal : {SIGUSR1, SIGTERM})
+  for (const int signal : all_signals)
     std::signal(signal, SIG_DFL);
 }
 
@@ -46,12 +67,20 @@ void CheckpointSchedule::make_folder() const
 {
   std::error_code ignored;
   if (rank_of(MPI_COMM_WORLD) == 0)
-    std::filesystem::create_directories(std::filesystem::path(file).parent_path(), ignored);
+    std::filesystem::create_directories(names.folder, ignored);
 }
 
-const char* CheckpointSchedule::told_to_end() const
+void CheckpointSchedule::remove_files() const
 {
-  return ended_by == 0 ? nullptr : ended_by == SIGUSR1 ? "SIGUSR1" : "SIGTERM";
+  if (rank_of(MPI_COMM_WORLD) != 0)
+    return;
+  for (const std::string& path : {names.latest, names.before, names.failed})
+  {
+    std::error_code error;
+    std::filesystem::remove(path, error);
+    if (error)
+      throw FileError(path, "of an earlier run cannot be removed: " + error.message());
+  }
 }
 
 bool CheckpointSchedule::due()

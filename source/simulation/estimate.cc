@@ -89,8 +89,7 @@ public:
   {
     if (stage.rigid_bodies)
       for (RigidPoint& point : bodies.points)
-        for (unsigned int step = 0; step < count_steps(stage.stepping); ++step)
-          point.pose = point.pose.moved(point.prescribed_increment(1.));
+        point.pose = point.pose.moved(point.prescribed_increment(count_steps(stage.stepping)));
   }
 
   Contents contents() const

@@ -151,10 +151,13 @@ Input parse_input(const std::string& text, const std::string& folder, const std:
 Input read_input(const std::string& file, const std::vector<std::string>& overrides)
 {
   std::error_code ignored;
-  std::ifstream stream(file);
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(file, ignored)) // opening a pipe would wait for its writer
+    stream.open(file);
   std::ostringstream text;
-  if (std::filesystem::is_directory(file, ignored) || !stream || !(text << stream.rdbuf()))
-    throw InputError(file, "the input file cannot be read", "check its path, its permissions and that it is not empty");
+  if (!stream.is_open() || !(text << stream.rdbuf()))
+    throw InputError(file, "the input file cannot be read",
+                     "check its path and its permissions, and that it is a file and not empty");
   return parse_input(text.str(), std::filesystem::path(file).parent_path().string(), file, overrides);
 }
 

@@ -1,12 +1,15 @@
+#include "size_limits.h"
 #include "step_limit.h"
 #include "time_loop.h"
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
 #include <kedge/output/checkpoint.h>
+#include <kedge/output/folder_lock.h>
 #include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/scene_warnings.h>
@@ -33,37 +36,25 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
     log.report().warn(warning);
 }
 
+/// Nothing of an earlier run in the same folder stays.
 template <int dim> void Simulation<dim>::generate()
 {
-  const std::string copy = (std::filesystem::path(options.output_directory) / "input.json").string();
-  agree(MPI_COMM_WORLD,
-        [&]
-        {
-          if (rank_of(MPI_COMM_WORLD) == 0)
-            write_text_file(copy, input.effective_json);
-        });
+  writer.keep_until(0);
+  agree(MPI_COMM_WORLD, [&] { checkpoints.remove_files(); });
+  copy_input();
   const auto scope = log.timings().measure("generation");
   soil.generate(Eigen::Map<const Eigen::Vector3d>(input.gravity.data()).norm());
 }
 
-template <int dim> void Simulation<dim>::resume()
-{
-  const RunProgress progress = read_checkpoint<dim>(soil, bodies, input.effective_json, checkpoints.path());
-  enter_stage(progress.stage);
-  log.resume(stage->stepping, progress.summary, stage_number);
-  writer.resume_after(progress.step);
-  step_number = progress.step;
-  has_warned_of_window = progress.has_warned_of_window;
-  resumed = progress.clock;
-  log.report().line(fmt::format("going on after step {} from {}", step_number, checkpoints.path()));
-}
-
 /// Errors end here while the run still stands: where one rank fails alone, nothing may be destroyed together any more.
-template <int dim> bool Simulation<dim>::run()
+template <int dim> ExitCode Simulation<dim>::run()
 {
   try
   {
-    if (options.restart)
+    const bool goes_on =
+        options.restart == Restart::yes || (options.restart == Restart::automatic &&
+                                            max_over_ranks(any_restart_file(checkpoints.files()), MPI_COMM_WORLD) > 0.);
+    if (goes_on)
       resume();
     else
       generate();
@@ -76,7 +67,7 @@ template <int dim> bool Simulation<dim>::run()
   }
 }
 
-template <int dim> bool Simulation<dim>::run_stages()
+template <int dim> ExitCode Simulation<dim>::run_stages()
 {
   for (unsigned int number = stage_number; number < input.stages.size(); ++number)
   {
@@ -84,15 +75,14 @@ template <int dim> bool Simulation<dim>::run_stages()
       begin_stage(number);
     if (!run_stage())
     {
-      log.finish(std::string("ended by ") + checkpoints.told_to_end());
-      log.report().line("ended by " + std::string(checkpoints.told_to_end()) + "; --restart goes on from " +
-                        checkpoints.path());
-      return false;
+      const std::string ended = std::string("ended by ") + name_of_signal(checkpoints.told_to_end());
+      log.finish(ended);
+      log.report().line(ended + "; --restart goes on from " + checkpoints.files().latest);
+      return checkpoints.told_to_end() == SIGINT ? interrupted : told_to_end;
     }
-    end_stage();
   }
   log.finish("finished");
-  return true;
+  return success;
 }
 
 /// What a stage that goes on does as well as one that begins.
@@ -163,14 +153,10 @@ template <int dim> bool Simulation<dim>::run_stage()
     {
       log.progress(report, clock, summarise_step());
       write_output(clock, false);
-      const bool is_due = checkpoints.due();
-      if (checkpoints.told_to_end())
-      {
-        write_restart_file(clock);
+      if (clock.at_end())
+        end_stage();
+      if (!save_if_due(clock))
         return false;
-      }
-      if (is_due || (clock.at_end() && stage_number + 1 < input.stages.size())) // the next stage may fail at once
-        write_or_warn("restart file", [&] { write_restart_file(clock); });
     }
     else if (!clock.cut() && !bring_into_balance(clock))
       give_up(clock, report);
@@ -331,35 +317,12 @@ template <int dim> void Simulation<dim>::write_output(const Clock& clock, const 
                       log.steps_in_stage(), clock.at_end() || even_if_not_due);
 }
 
-template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock)
-{
-  const auto scope = log.timings().measure("restart files");
-  checkpoints.make_folder();
-  const RunProgress progress{stage_number,         clock.state(),        step_number,
-                             log.steps_in_stage(), has_warned_of_window, log.text_of_stages()};
-  write_checkpoint<dim>(soil, bodies, progress, input.effective_json, checkpoints.path());
-}
-
-/// A file that the run can do without.
-template <int dim> void Simulation<dim>::write_or_warn(const std::string& place, const std::function<void()>& write)
-{
-  try
-  {
-    write();
-  }
-  catch (const FileError& error)
-  {
-    rethrow_if_alone(place);
-    log.report().warn(error.what());
-  }
-}
-
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   if (log.steps_in_stage() > 0)
   {
     write_or_warn("last output", [&] { write_output(clock, true); });
-    write_or_warn("last restart file", [&] { write_restart_file(clock); });
+    write_or_warn("last restart file", [&] { save_failed_state(clock); });
   }
   ResidualPlace residual;
   if (step && !newton.residuals.empty())
@@ -374,15 +337,20 @@ template <int dim> void Simulation<dim>::end_stage()
   log.end_stage(summarise_step(), soil.count_cells(), soil.particles().bytes(), basis_bytes);
 }
 
-bool run_simulation(const Input& input, const RunOptions& options)
+template class Simulation<2>;
+template class Simulation<3>;
+
+ExitCode run_simulation(const Input& input, const RunOptions& options)
 {
+  refuse_excessive_size(input, memory_of_machines(MPI_COMM_WORLD), "the machines that the run has");
+  if (options.restart == Restart::yes) // before anything is written
+    find_restart_file(RestartFiles(restart_folder(input.output, options.output_directory)), MPI_COMM_WORLD);
+  FolderLock lock;
   agree(MPI_COMM_WORLD,
         [&]
         {
-          if (const std::string path = restart_path(input.output, options.output_directory);
-              options.restart && !std::filesystem::exists(path))
-            throw FileError(path, "is not there, so nothing can go on; run without --restart, with \"checkpoint "
-                                  "every\" for a restart file, or name the folder of the first run with --output");
+          if (rank_of(MPI_COMM_WORLD) == 0)
+            lock.hold(options.output_directory);
         });
   return input.dimension == 2 ? Simulation<2>(input, options).run() : Simulation<3>(input, options).run();
 }

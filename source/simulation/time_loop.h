@@ -17,17 +17,19 @@ template <int dim> class Simulation
 {
 public:
   Simulation(const Input& input, const RunOptions& options);
-  bool run();
+  ExitCode run();
 
 private:
+  void copy_input() const;
   void generate();
   void resume();
-  bool run_stages();
+  ExitCode run_stages();
   void enter_stage(unsigned int number);
   void begin_stage(unsigned int number);
   void forget_motion();
   void bury_bodies();
   bool run_stage();
+  bool save_if_due(const Clock& clock);
   void limit_steps(Clock& clock);
   NewtonReport attempt_step(const Clock& clock);
   bool bring_into_balance(const Clock& clock);
@@ -40,7 +42,8 @@ private:
   void commit_step();
   StepSummary summarise_step() const;
   void write_output(const Clock& clock, bool even_if_not_due);
-  void write_restart_file(const Clock& clock);
+  void write_restart_file(const Clock& clock, const std::string& path);
+  void save_failed_state(const Clock& clock);
   void write_or_warn(const std::string& place, const std::function<void()>& write);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
   void end_stage();

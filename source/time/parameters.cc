@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <kedge/parameters/section.h>
 #include <kedge/time/parameters.h>
 
@@ -13,11 +14,20 @@ const std::vector<std::string> in_time = {"dynamic", "explicit"};
 const std::vector<std::pair<std::string, StageType>> names = {
     {"static", StageType::static_}, {"dynamic", StageType::dynamic}, {"explicit", StageType::explicit_}};
 
+/// More than any run makes; their number times the smallest parts of a step still fits into the clock.
+constexpr double most_steps = 1e9;
+
 void check_step(const SteppingParameters& stepping, const Place& place)
 {
   if (stepping.type == StageType::dynamic && stepping.dt == 0.)
     place.key("dt").fail("expected a number above 0 (s), found \"auto\"",
                          "give the time step; only explicit stages can determine it");
+  if (const double steps = requested_steps(stepping); steps > most_steps)
+    place
+        .key(stepping.type == StageType::static_   ? "load steps"
+             : stepping.type == StageType::dynamic ? "dt"
+                                                   : "basis step")
+        .fail(fmt::format("the stage has {:.4g} steps", steps), fmt::format("use at most {:.0e} of them", most_steps));
   if (stepping.type != StageType::static_ && stepping.dt > stepping.final_time * (1. + 1e-12))
     place.key("dt").fail("the time step " + shown(stepping.dt) + " s is longer than the stage",
                          "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");

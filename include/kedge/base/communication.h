@@ -5,6 +5,7 @@
 #include <limits>
 #include <mpi.h>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -53,6 +54,15 @@ inline long long sum_over_lower_ranks(const long long value, const MPI_Comm comm
   long long sum = 0;
   MPI_Exscan(&value, &sum, 1, MPI_LONG_LONG, MPI_SUM, communicator);
   return rank_of(communicator) == 0 ? 0 : sum;
+}
+
+/// Gives every rank the text of one. Collective.
+inline void broadcast(std::string& text, const int from, const MPI_Comm communicator)
+{
+  unsigned long size = text.size();
+  MPI_Bcast(&size, 1, MPI_UNSIGNED_LONG, from, communicator);
+  text.resize(size);
+  MPI_Bcast(text.data(), static_cast<int>(size), MPI_CHAR, from, communicator);
 }
 
 /// A type of MPI for plain data, so that messages are counted in entries: their bytes may be too many for an int.

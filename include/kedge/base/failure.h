@@ -20,7 +20,8 @@ enum ExitCode
   bad_input = 2,
   solver_failure = 3,
   file_failure = 4,
-  told_to_end = 143 ///< by a signal; the shell's code for SIGTERM
+  interrupted = 130, ///< by SIGINT, with the shell's code for it
+  told_to_end = 143  ///< by SIGTERM or SIGUSR1; the shell's code for SIGTERM
 };
 
 /// An error as it can be sent to other ranks.

@@ -10,7 +10,8 @@
 
 namespace kedge
 {
-/// Writes under a second name and renames the file at the end, so a reader never sees an incomplete file.
+/// Writes under a second name, seals the file (seal.h) and renames it at the end, so a reader never sees an incomplete
+/// file.
 class Hdf5Writer
 {
 public:
@@ -24,12 +25,13 @@ public:
   template <typename T> void write_rows(const std::string& name, const std::vector<T>& mine, unsigned int width);
   /// Writes the text that rank 0 gives.
   void write_text(const std::string& name, const std::string& text);
-  /// Closes the file and gives it its name.
-  void finish();
+  /// Closes the file and gives it its name. The file that had the name before is called `kept` then, unless empty.
+  void finish(const std::string& kept = "");
 
 private:
   void open_draft();
   void close_draft();
+  bool give_name(const std::string& kept) const;
   bool reserve(long long bytes);
 
   std::string path, draft;
@@ -44,7 +46,7 @@ private:
 class Hdf5Reader
 {
 public:
-  /// Throws FileError where the file is missing, incomplete or no HDF5 file.
+  /// Throws FileError where the file is missing, damaged or no HDF5 file.
   Hdf5Reader(std::string path, MPI_Comm communicator);
   ~Hdf5Reader();
   Hdf5Reader(const Hdf5Reader&) = delete;

@@ -33,8 +33,9 @@ public:
   OutputWriter(const OutputParameters& parameters, const std::string& run_directory,
                const std::vector<std::vector<StateVariable>>& states, MPI_Comm communicator);
 
-  /// After a restart: keeps the lists and rows of the earlier run up to and including `step`.
-  void resume_after(unsigned int step);
+  /// Keeps what an earlier run has left in the folders up to and including `step`, so that a run goes on from there;
+  /// 0: nothing. Removes the rest.
+  void keep_until(unsigned int step);
   void begin_stage(unsigned int n_steps);
   /// Writes nothing twice: neither a step that this run has written nor, after a restart, one of the earlier run.
   void write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);

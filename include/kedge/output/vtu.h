@@ -56,6 +56,8 @@ public:
   void resume_after(unsigned int step);
   /// Appends a file (named relative to the list) and rewrites the list. Throws FileError.
   void add(double time, const std::string& file);
+  /// Writes the list as it is.
+  void write() const;
 
 private:
   std::string path;

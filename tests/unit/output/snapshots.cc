@@ -164,7 +164,7 @@ TEST(OutputWriter, RestartContinuesListsAndTable)
   {
     OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
     if (restart)
-      writer.resume_after(first - 1);
+      writer.keep_until(first - 1);
     writer.begin_stage(10);
     for (unsigned int step = first; step <= last; ++step)
       writer.write_if_due(scene.state(step), step - 1, false);
@@ -205,7 +205,7 @@ TEST(OutputWriter, WritesNoStepTwice)
   EXPECT_EQ(count_rows(), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "vtk/body.pvd"));
   OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
-  writer.resume_after(2);
+  writer.keep_until(2);
   writer.begin_stage(4);
   writer.write_if_due(scene.state(2), 1, true); // the next step has failed again
   EXPECT_EQ(count_rows(), 1);

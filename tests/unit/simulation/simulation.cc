@@ -34,8 +34,9 @@ std::size_t count_lines(const std::filesystem::path& file)
 TEST(RunSimulation, MakesTheFolderOfItsSummaryWhereNothingElseIsWritten)
 {
   const input_files::Folder files;
-  EXPECT_TRUE(run_simulation(cube({"analysis.0.load steps=1", "output.vtk=off", "output.csv=off"}),
-                             quietly_in(files.path / "new" / "folder")));
+  EXPECT_EQ(run_simulation(cube({"analysis.0.load steps=1", "output.vtk=off", "output.csv=off"}),
+                           quietly_in(files.path / "new" / "folder")),
+            success);
   EXPECT_TRUE(std::filesystem::exists(files.path / "new" / "folder" / "input.json"));
   EXPECT_TRUE(std::filesystem::exists(files.path / "new" / "folder" / "summary.json"));
 }
@@ -55,7 +56,7 @@ TEST(RunSimulation, SavesTheStateWhereAStageFailsInItsFirstStep)
   ASSERT_TRUE(std::filesystem::exists(files.path / "checkpoints" / "restart.h5"));
 
   RunOptions again = quietly_in(files.path);
-  again.restart = true;
+  again.restart = Restart::yes;
   EXPECT_THROW(run_simulation(input, again), SolverError); // at the same place
   EXPECT_EQ(count_lines(files.path / "csv" / "rigid_body.csv"), 2u);
 }
@@ -64,7 +65,7 @@ TEST(RunSimulation, SaysWhatARestartWithoutItsFileLacks)
 {
   const input_files::Folder files;
   RunOptions options = quietly_in(files.path / "new");
-  options.restart = true;
+  options.restart = Restart::yes;
   EXPECT_THROW(run_simulation(cube({}), options), FileError);
   EXPECT_FALSE(std::filesystem::exists(files.path / "new"));
 }
