@@ -29,6 +29,13 @@ target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-paramet
   -Wno-maybe-uninitialized # false alarms of GCC 12 inside Eigen and std::vector
   # nobody reads errno or traps floating-point exceptions: so loops with roots and choices become vectors
   -fno-math-errno -fno-trapping-math)
+if(KEDGE_SANITIZE)
+  # vptr would need the run-time types of libraries that are built without it.
+  target_compile_options(kedge_options INTERFACE -fsanitize=address,undefined -fno-sanitize=vptr
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_definitions(kedge_options INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(kedge_options INTERFACE -fsanitize=address,undefined)
+endif()
 if(KEDGE_NATIVE)
   target_compile_options(kedge_options INTERFACE -march=native)
 endif()
