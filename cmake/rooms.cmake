@@ -23,16 +23,19 @@ if(MUPARSER_INCLUDE_DIR AND MUPARSER_LIBRARY)
 endif()
 
 add_library(kedge_options INTERFACE)
-target_include_directories(kedge_options INTERFACE ${PROJECT_SOURCE_DIR}/include)
+target_include_directories(kedge_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                                   $<INSTALL_INTERFACE:include>)
 target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-parameter
   -Werror=switch # a switch over an enum must name every case
   -Wno-maybe-uninitialized # false alarms of GCC 12 inside Eigen and std::vector
   # nobody reads errno or traps floating-point exceptions: so loops with roots and choices become vectors
   -fno-math-errno -fno-trapping-math)
 if(KEDGE_SANITIZE)
-  # vptr would need the run-time types of libraries that are built without it.
-  target_compile_options(kedge_options INTERFACE -fsanitize=address,undefined -fno-sanitize=vptr
-    -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  # vptr would need the run-time types of libraries that are built without it. With checks against null pointers, which
+  # end a program anyway, GCC no longer compares addresses at compile time.
+  target_compile_options(kedge_options INTERFACE -fsanitize=address,undefined
+    -fno-sanitize=vptr,null,nonnull-attribute,returns-nonnull-attribute -fno-sanitize-recover=all
+    -fno-omit-frame-pointer)
   target_compile_definitions(kedge_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_link_options(kedge_options INTERFACE -fsanitize=address,undefined)
 endif()
@@ -72,6 +75,7 @@ endfunction()
 #   PRIVATE_LINKS  packages that it alone links
 #   HEADERS        precompiled headers that it shares, if any: trilinos or deal.II
 function(kedge_room name)
+  set_property(GLOBAL APPEND PROPERTY KEDGE_ROOMS ${name})
   cmake_parse_arguments(ROOM "" "HEADERS" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
   list(TRANSFORM ROOM_ROOMS PREPEND kedge_)

@@ -1,9 +1,16 @@
 """Starts the program."""
 import os
 import pathlib
+import shutil
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1"}  # one core per rank
+
+
+def default_program():
+    """The program of this copy: what scripts/build has made or, of an installed copy, what lies on the PATH."""
+    built, installed = ROOT / "build" / "kedge", shutil.which("kedge")
+    return pathlib.Path(installed) if installed and not built.exists() else built
 
 
 def command(program, scene, folder, settings=(), ranks=1, options=()):

@@ -7,7 +7,7 @@ import shutil
 import sys
 
 from kedge_runs import RunError
-from kedge_runs.program import ROOT
+from kedge_runs.program import default_program
 
 from . import StudyError, execute, page, records, results
 from .cases import cases_of
@@ -37,7 +37,7 @@ def parser():
                          help="cores to use (default: all, %(default)s)")
     options.add_argument("--budget", metavar="TIME",
                          help="wall time for the runs, such as \"30 min\": dearer runs are left out (default: none)")
-    options.add_argument("--program", type=pathlib.Path, default=ROOT / "build" / "kedge",
+    options.add_argument("--program", type=pathlib.Path, default=default_program(),
                          help="kedge to run (default: %(default)s)")
     options.add_argument("--output", type=pathlib.Path, metavar="DIR",
                          help="folder for tables, charts and runs (default: <name of the study>-study)")

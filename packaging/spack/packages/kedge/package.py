@@ -1,0 +1,42 @@
+# Recipe for Spack: packaging/spack/spack.yaml makes an environment of it.
+from spack.package import *
+
+
+class Kedge(CMakePackage):
+    """Material point method for rigid anchors, plates, cones and ploughs in soil at large deformation."""
+
+    license("GPL-3.0-or-later")
+
+    version("main", branch="main")
+
+    variant("native", default=False, description="Tune the code for the processor it is built on")
+
+    depends_on("c", type="build")
+    depends_on("cxx", type="build")
+    depends_on("cmake@3.20:", type="build")
+    depends_on("ninja", type="build")
+    depends_on("mpi")
+    depends_on("dealii@9.4: +mpi+p4est+hdf5+trilinos+cgal~examples")
+    depends_on("trilinos@13.2: +tpetra+belos+muelu+ifpack2+amesos2 gotype=long_long")
+    depends_on("suite-sparse")
+    depends_on("eigen@3.4:")
+    depends_on("nlohmann-json@3.11:")
+    depends_on("cli11@2.3:")
+    depends_on("fmt@9:10")
+    depends_on("cgal@5.5:")
+    depends_on("muparser")
+    depends_on("zlib-api")
+    depends_on("py-numpy", type="run")
+    depends_on("py-scipy", type="run")
+    depends_on("py-matplotlib", type="run")
+    depends_on("py-jsonschema", type="run")
+
+    generator("ninja")
+
+    def cmake_args(self):
+        return [
+            self.define_from_variant("KEDGE_NATIVE", "native"),
+            self.define("KEDGE_TESTS", False),
+            self.define("KEDGE_BENCHMARKS", False),
+            self.define("KEDGE_PRECOMPILED", False),
+        ]
