@@ -9,6 +9,7 @@ from trajectory import DRAG_STAGE, distance
 
 AT = 0.6  # m: y of the section, through a palm of the fluke
 FIELD = "displacement magnitude"
+LIMIT = 2.5  # m: what sticks to the anchor moves as far as the anchor
 
 
 def at_0_and_3m(runs, path):
@@ -33,14 +34,13 @@ def _draw(runs, distances, path):
         step = written[int(np.argmin(abs(at - wanted)))]
         grids, _ = run.soil(step)
         section = cut(grids, run.surface(step), "y", AT, FIELD, run.mesh(step))
-        # A few points that stick to the anchor move much farther than the rest: leave them out of the colours.
-        boxes = add_soil(axes, section, factor, factor * np.percentile(section.values, (2., 98.)))
+        boxes = add_soil(axes, section, factor, (0., factor * LIMIT))
         axes.add_collection(PolyCollection(rectangle_corners(section.cells[:, 0], section.cells[:, 1]),
                                            facecolors="none", edgecolors="0.6", linewidths=0.4))
         axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1.))
         centre = wanted + 2.2  # x of the fluke, m
         axes.set(xlim=(centre - 3., centre + 5.), ylim=(14.5, 19.5), aspect="equal", xlabel="x / m", ylabel="z / m",
                  title=f"after {at[written.index(step)]:.1f} m, y = {AT:g} m")
-        figure.colorbar(boxes, ax=axes, label=f"{FIELD} / {unit}", shrink=0.8)
+        figure.colorbar(boxes, ax=axes, label=f"{FIELD} / {unit}", shrink=0.8, extend="max")
     figure.savefig(path, dpi=90, metadata={"Software": None})
     plt.close(figure)

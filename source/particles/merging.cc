@@ -1,6 +1,7 @@
 #include "domain.h"
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <kedge/base/communication.h>
 #include <kedge/materials/hencky.h>
 #include <kedge/particles/merging.h>
@@ -11,8 +12,8 @@ namespace kedge
 namespace
 {
 constexpr double width_tolerance = 1.05;
-/// Share of a group's bounding box that its domains must fill.
-constexpr double least_filling = 0.6;
+/// Share of the box with a group's second moments that its domains must fill.
+constexpr double least_filling = 0.55;
 
 template <int dim> using Particle = typename ParticleSet<dim>::Handler::particle_iterator;
 template <int dim> using Group = std::vector<Particle<dim>>;
@@ -86,7 +87,8 @@ struct MergedData
   bool sound = false;               ///< the domain is well filled and F can be scaled
 };
 
-/// The group's bounding box, scaled to the volume of its domains. False where that is too empty.
+/// The box with the second moments of the group's domains, scaled to their volume. The bounding box would be too large
+/// by the width of a member where the members are not a lattice. False where the domains fill too little of the box.
 template <int dim> bool join_domains(const Group<dim>& group, double* merged)
 {
   double volume = 0., box = 1., initial_over_now[dim];
@@ -94,19 +96,20 @@ template <int dim> bool join_domains(const Group<dim>& group, double* merged)
     volume += domain_volume<dim>(particle->get_properties().data());
   for (unsigned int d = 0; d < dim; ++d)
   {
-    double lower = std::numeric_limits<double>::max(), upper = -lower, sum = 0., initial_sum = 0.;
+    double first = 0., second = 0., sum = 0., initial_sum = 0.;
+    const double origin = group.front()->get_location()[d];
     for (const auto& particle : group)
     {
-      const double *data = particle->get_properties().data(), x = particle->get_location()[d];
-      const double half = data[field::half_width + d];
-      lower = std::min(lower, x - half);
-      upper = std::max(upper, x + half);
+      const double *data = particle->get_properties().data(), x = particle->get_location()[d] - origin;
+      const double half = data[field::half_width + d], share = domain_volume<dim>(data) / volume;
+      first += share * x;
+      second += share * (x * x + half * half / 3.);
       sum += data[field::initial_volume] * half;
       initial_sum += data[field::initial_volume] * data[field::initial_half_width + d];
     }
-    merged[field::half_width + d] = 0.5 * (upper - lower);
+    merged[field::half_width + d] = std::sqrt(3. * (second - first * first));
     initial_over_now[d] = initial_sum / sum;
-    box *= upper - lower;
+    box *= 2. * merged[field::half_width + d];
   }
   const double scale = std::pow(volume / box, 1. / dim);
   for (unsigned int d = 0; d < dim; ++d)
@@ -205,6 +208,27 @@ std::vector<Group<dim>> find_groups(ParticleSet<dim>& particles, const typename 
   return result;
 }
 
+/// What cannot be joined as a whole may be in parts: adds those of a group on either side of its middle along all axes.
+template <int dim> void halve(const Group<dim>& group, std::vector<Group<dim>>& parts)
+{
+  if (group.size() <= (1U << dim)) // siblings of a split are joined together or not at all
+    return;
+  dealii::Point<dim> middle;
+  for (const auto& particle : group)
+    middle += particle->get_location() / static_cast<double>(group.size());
+  std::array<Group<dim>, (1U << dim)> part;
+  for (const auto& particle : group)
+  {
+    unsigned int side = 0;
+    for (unsigned int d = 0; d < dim; ++d)
+      side += particle->get_location()[d] > middle[d] ? 1U << d : 0U;
+    part[side].push_back(particle);
+  }
+  for (Group<dim>& members : part)
+    if (members.size() > 1 && members.size() < group.size())
+      parts.push_back(std::move(members));
+}
+
 /// Puts the merged particle in the place of the member with the smallest number; returns the other members.
 template <int dim>
 Group<dim> replace(const Group<dim>& group, const MergedData& merged, const BackgroundMesh<dim>& mesh,
@@ -239,14 +263,20 @@ MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<di
   {
     if (!cell->is_locally_owned() || handler.n_particles_in_cell(cell) <= needed)
       continue;
-    for (const Group<dim>& group : find_groups<dim>(particles, cell, points_per_axis, keep))
+    std::vector<Group<dim>> groups = find_groups<dim>(particles, cell, points_per_axis, keep);
+    while (!groups.empty())
     {
+      const Group<dim> group = std::move(groups.back());
+      groups.pop_back();
       const MergedData merged = join<dim>(group);
       const double before = total<dim>(group, elastic_energy), lost = before - elastic_energy(merged.data.data());
       const double motion = total<dim>(group, kinetic_energy), stopped = motion - kinetic_energy(merged.data.data());
       // of soil at rest the motion is noise, which is better lost: it counts beside the elastic energy
       if (!merged.sound || lost > energy_tolerance * before || stopped > energy_tolerance * (before + motion))
+      {
+        halve<dim>(group, groups);
         continue;
+      }
       const Group<dim> others = replace<dim>(group, merged, mesh, cell);
       doomed.insert(doomed.end(), others.begin(), others.end());
       result.elastic_energy_lost += lost;

@@ -17,11 +17,13 @@ struct MergeResult
 /// points_per_axis^dim boxes, smallest first, as long as the sum is no wider than such a box, give or take 5 %; a
 /// particle that is due for splitting is 41 % wider, so that nothing flickers. Particles stay alone where
 /// `keep(position)` holds, where a corner is nearer to a body than their width, where the group would fill less than
-/// 60 % of its bounding box, and where their stresses differ so much that more than `energy_tolerance` of the group's
-/// elastic energy would be lost.
+/// 55 % of the box that has its second moments, and where their stresses differ so much that more than
+/// `energy_tolerance` of the group's elastic energy would be lost. Of a group that stays alone, the parts on either
+/// side of its middle may be joined.
 ///
 /// Mass, momentum, initial volume, the domains' volume, sum V0 tau, sum m x and sum V0 det F are kept to round-off. The
-/// merged particle lies in the centre of mass; its domain is the group's bounding box, scaled to the domains' volume.
+/// merged particle lies in the centre of mass; its domain has the proportions of the group's second moments and the
+/// domains' volume.
 /// F is the mean, scaled to the right determinant; stiffness and stress are means over the initial volume; the elastic
 /// strain is the mean over V0 E, with which Hencky's law holds for the merged stress, since Poisson's ratio is the
 /// layer's. A mean of stresses inside a convex yield surface lies inside it, and no surface here depends on E. The
