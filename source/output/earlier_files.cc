@@ -27,14 +27,6 @@ std::vector<fs::path> files_in(const std::string& folder)
   return files;
 }
 
-void remove_file(const fs::path& file)
-{
-  std::error_code error;
-  fs::remove(file, error);
-  if (error)
-    throw FileError(file.string(), "of an earlier run cannot be removed: " + error.message());
-}
-
 void remove_in(const std::string& folder, const unsigned int step, const std::regex& moment, const std::regex& list)
 {
   for (const fs::path& file : files_in(folder))
@@ -43,10 +35,18 @@ void remove_in(const std::string& folder, const unsigned int step, const std::re
     std::smatch found;
     if (std::regex_match(name, found, moment) ? std::stoull(found[2]) > step
                                               : step == 0 && std::regex_match(name, list))
-      remove_file(file);
+      remove_earlier_file(file.string());
   }
 }
 } // namespace
+
+void remove_earlier_file(const std::string& path)
+{
+  std::error_code error;
+  fs::remove(path, error);
+  if (error)
+    throw FileError(path, "of an earlier run cannot be removed: " + error.message());
+}
 
 void remove_moments_after(const unsigned int step, const std::string& vtk_folder, const std::string& csv_folder)
 {

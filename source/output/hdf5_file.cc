@@ -9,6 +9,7 @@
 #include <kedge/base/failure.h>
 #include <kedge/output/hdf5_file.h>
 #include <kedge/output/seal.h>
+#include <kedge/output/text_file.h>
 #include <numeric>
 #include <sys/resource.h>
 #include <system_error>
@@ -122,7 +123,7 @@ void Hdf5Writer::open_draft()
   const Silence silence;
   descriptor = ::open(draft.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0666);
   if (descriptor < 0)
-    throw FileError(draft, "cannot be opened for writing: " + std::generic_category().message(errno));
+    throw FileError(draft, "cannot be opened for writing: " + last_system_message());
   if (reserve(0))
   {
     const Handle access(make_access(), H5Pclose);

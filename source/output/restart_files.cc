@@ -48,7 +48,6 @@ FoundRestartFile find_here(const RestartFiles& files)
     all += "\n  " + problem;
   throw FileError(files.folder, "has no restart file that can be read; start again without --restart:" + all);
 }
-
 } // namespace
 
 RestartFiles::RestartFiles(const std::string& folder_) : folder(folder_)

@@ -1,10 +1,9 @@
-#include <array>
-#include <cerrno>
+#include <algorithm>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/seal.h>
-#include <system_error>
+#include <kedge/output/text_file.h>
 #include <unistd.h>
 #include <vector>
 #include <zlib.h>
@@ -38,7 +37,7 @@ public:
   void require(const bool sound, const std::string& problem) const
   {
     if (!sound)
-      throw FileError(path, problem + ": " + std::generic_category().message(errno));
+      throw FileError(path, problem + ": " + last_system_message());
   }
 
 private:

@@ -8,10 +8,7 @@
 
 namespace kedge
 {
-namespace
-{
 std::string last_system_message() { return std::generic_category().message(errno); }
-} // namespace
 
 void write_text_file(const std::string& path, const std::string& text)
 {

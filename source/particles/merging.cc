@@ -5,7 +5,6 @@
 #include <kedge/base/communication.h>
 #include <kedge/materials/hencky.h>
 #include <kedge/particles/merging.h>
-#include <limits>
 
 namespace kedge
 {

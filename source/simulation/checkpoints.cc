@@ -1,7 +1,7 @@
 #include <csignal>
 #include <filesystem>
 #include <kedge/base/communication.h>
-#include <kedge/base/exceptions.h>
+#include <kedge/output/earlier_files.h>
 #include <kedge/simulation/checkpoints.h>
 #include <sstream>
 #include <unistd.h>
@@ -75,12 +75,7 @@ void CheckpointSchedule::remove_files() const
   if (rank_of(MPI_COMM_WORLD) != 0)
     return;
   for (const std::string& path : {names.latest, names.before, names.failed})
-  {
-    std::error_code error;
-    std::filesystem::remove(path, error);
-    if (error)
-      throw FileError(path, "of an earlier run cannot be removed: " + error.message());
-  }
+    remove_earlier_file(path);
 }
 
 bool CheckpointSchedule::due()

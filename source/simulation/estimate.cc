@@ -5,6 +5,7 @@
 #include <kedge/particles/generation.h>
 #include <kedge/simulation/estimate.h>
 #include <kedge/simulation/layout.h>
+#include <kedge/soil/adaptation.h>
 #include <kedge/soil/placement.h>
 #include <set>
 
@@ -108,21 +109,42 @@ public:
   }
 
 private:
-  /// Level by level, to stop in time.
+  /// Level by level, to stop before a level that would hold too much.
   void refine(const Adaptivity& adaptivity)
   {
     Adaptivity level = adaptivity;
-    const double finest = finest_size(adaptivity, soil.mesh().layout().base_size);
-    for (double size = soil.mesh().layout().base_size; size > finest && !counting_stopped;)
+    const double base_size = soil.mesh().layout().base_size;
+    const double finest = finest_size(adaptivity, base_size);
+    for (double size = base_size; size > finest && !counting_stopped;)
     {
       size *= 0.5;
       level.element_size = std::max(size, adaptivity.element_size);
       level.element_size_in_region = std::max(size, adaptivity.element_size_in_region);
       for (std::size_t i = 0; i < level.boxes.size(); ++i)
         level.boxes[i].element_size = std::max(size, adaptivity.boxes[i].element_size);
-      soil.adapt(bodies, level);
-      counting_stopped = size > finest && soil.particles().n_global() > most_particles;
+      counting_stopped = count_after(level) > most_particles;
+      if (!counting_stopped)
+        soil.adapt(bodies, level);
     }
+  }
+
+  /// Particles after the next level, without those of cells that 2:1 asks for.
+  double count_after(const Adaptivity& level) const
+  {
+    const LeafTable<dim>& table = soil.mesh().leaves();
+    std::vector<double> growth(table.leaves.size(), 0.); // 0: not asked yet
+    double n = 0.;
+    for (const unsigned int leaf : soil.particles().leaves())
+    {
+      if (growth[leaf] == 0.)
+      {
+        const auto& cell = table.leaves[leaf];
+        const double wanted = wanted_size<dim>(bodies, level, table.base_size, cell.lower, cell.size);
+        growth[leaf] = std::pow(std::max(1., cell.size / wanted), dim);
+      }
+      n += growth[leaf];
+    }
+    return n;
   }
 
   const Input& input;

@@ -1,6 +1,7 @@
 #include "input_rules.h"
 #include <algorithm>
 #include <cmath>
+#include <kedge/simulation/layout.h>
 #include <set>
 
 namespace kedge
@@ -40,8 +41,7 @@ void check_extent(const Input& input, const Place& root)
   std::array<double, 3> soil{};
   const unsigned int vertical = input.dimension - 1;
   std::copy_n(input.material_points.plan_extent.begin(), vertical, soil.begin());
-  for (const Layer& layer : input.material_points.layers)
-    soil[vertical] += layer.thickness;
+  soil[vertical] = thickness_of(input.material_points.layers);
   for (unsigned int axis = 0; axis <= vertical; ++axis)
     if (input.grid_extent[axis] < soil[axis] * (1. - 1e-9))
       root.key("domain").key("extent").entry(axis).fail("the grid, " + shown(input.grid_extent[axis]) +

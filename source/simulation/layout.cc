@@ -13,12 +13,18 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
   const MaterialPointParameters& soil = input.material_points;
   std::array<double, dim - 1> footprint;
   std::copy_n(soil.plan_extent.begin(), dim - 1, footprint.begin());
-  double thickness = 0.;
-  for (const Layer& layer : soil.layers)
-    thickness += layer.thickness;
   std::array<double, dim> extent;
   std::copy_n(input.grid_extent.begin(), dim, extent.begin());
-  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness, soil.points_per_axis, extent);
+  return make_grid_layout<dim>(soil.element_size, sizes, footprint, thickness_of(soil.layers), soil.points_per_axis,
+                               extent);
+}
+
+double thickness_of(const std::vector<Layer>& layers)
+{
+  double thickness = 0.;
+  for (const Layer& layer : layers)
+    thickness += layer.thickness;
+  return thickness;
 }
 
 std::vector<std::vector<StateVariable>> states_of(const std::vector<Layer>& layers)

@@ -41,13 +41,12 @@ template <int dim> void Simulation<dim>::copy_input() const
 
 template <int dim> void Simulation<dim>::resume()
 {
-  const FoundRestartFile file = find_restart_file(checkpoints.files(), MPI_COMM_WORLD);
-  for (const std::string& problem : file.problems)
+  for (const std::string& problem : start.problems)
     log.report().warn(problem);
-  const RunProgress progress = read_checkpoint<dim>(soil, bodies, input.effective_json, file.path);
+  const RunProgress progress = read_checkpoint<dim>(soil, bodies, input.effective_json, start.path);
   if (progress.program != name_of_program())
     log.report().warn(fmt::format("{} comes from {}; this is {}, so results may differ from those of one run",
-                                  file.path, progress.program, name_of_program()));
+                                  start.path, progress.program, name_of_program()));
   enter_stage(progress.stage);
   log.resume(stage->stepping, progress.summary, stage_number);
   writer.keep_until(progress.step);
@@ -55,7 +54,7 @@ template <int dim> void Simulation<dim>::resume()
   step_number = progress.step;
   has_warned_of_window = progress.has_warned_of_window;
   resumed = progress.clock;
-  log.report().line(fmt::format("going on after step {} from {}", step_number, file.path));
+  log.report().line(fmt::format("going on after step {} from {}", step_number, start.path));
 }
 
 /// Writes a restart file where one is due. False where the run was told to end.

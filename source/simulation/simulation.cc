@@ -21,9 +21,10 @@
 namespace kedge
 {
 template <int dim>
-Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_)
+Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_, FoundRestartFile start_)
     : input(input_),
       options(options_),
+      start(std::move(start_)),
       log(input_, options),
       soil(make_grid_layout<dim>(input_), input_.material_points, input_.contact, MPI_COMM_WORLD),
       bodies(make_rigid_systems(input_.systems, dim)),
@@ -51,13 +52,10 @@ template <int dim> ExitCode Simulation<dim>::run()
 {
   try
   {
-    const bool goes_on =
-        options.restart == Restart::yes || (options.restart == Restart::automatic &&
-                                            max_over_ranks(any_restart_file(checkpoints.files()), MPI_COMM_WORLD) > 0.);
-    if (goes_on)
-      resume();
-    else
+    if (start.path.empty())
       generate();
+    else
+      resume();
     return run_stages();
   }
   catch (...)
@@ -340,11 +338,23 @@ template <int dim> void Simulation<dim>::end_stage()
 template class Simulation<2>;
 template class Simulation<3>;
 
+namespace
+{
+/// What a run goes on from; no path where it begins anew.
+FoundRestartFile find_start(const Input& input, const RunOptions& options)
+{
+  const RestartFiles files(restart_folder(input.output, options.output_directory));
+  const bool goes_on =
+      options.restart == Restart::yes ||
+      (options.restart == Restart::automatic && max_over_ranks(any_restart_file(files), MPI_COMM_WORLD) > 0.);
+  return goes_on ? find_restart_file(files, MPI_COMM_WORLD) : FoundRestartFile();
+}
+} // namespace
+
 ExitCode run_simulation(const Input& input, const RunOptions& options)
 {
   refuse_excessive_size(input, memory_of_machines(MPI_COMM_WORLD), "the machines that the run has");
-  if (options.restart == Restart::yes) // before anything is written
-    find_restart_file(RestartFiles(restart_folder(input.output, options.output_directory)), MPI_COMM_WORLD);
+  const FoundRestartFile start = find_start(input, options); // before anything is written
   FolderLock lock;
   agree(MPI_COMM_WORLD,
         [&]
@@ -352,6 +362,6 @@ ExitCode run_simulation(const Input& input, const RunOptions& options)
           if (rank_of(MPI_COMM_WORLD) == 0)
             lock.hold(options.output_directory);
         });
-  return input.dimension == 2 ? Simulation<2>(input, options).run() : Simulation<3>(input, options).run();
+  return input.dimension == 2 ? Simulation<2>(input, options, start).run() : Simulation<3>(input, options, start).run();
 }
 } // namespace kedge

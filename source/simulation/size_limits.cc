@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/simulation/layout.h>
 #include <unistd.h>
 
 namespace kedge
@@ -36,14 +37,11 @@ LeastSize least_size(const Input& input)
 {
   const MaterialPointParameters& soil = input.material_points;
   const unsigned int vertical = input.dimension - 1;
-  double thickness = 0.;
-  for (const Layer& layer : soil.layers)
-    thickness += layer.thickness;
   LeastSize size;
   size.cells = size.particles = 1.;
   for (unsigned int d = 0; d < input.dimension; ++d)
   {
-    const double extent = d == vertical ? thickness : soil.plan_extent[d];
+    const double extent = d == vertical ? thickness_of(soil.layers) : soil.plan_extent[d];
     const double without_key = d == vertical ? 2. * extent : extent;
     size.particles *= count(extent, soil.element_size) * soil.points_per_axis;
     size.cells *=

@@ -16,7 +16,8 @@ namespace kedge
 template <int dim> class Simulation
 {
 public:
-  Simulation(const Input& input, const RunOptions& options);
+  /// start: what the run goes on from; without a path it begins anew.
+  Simulation(const Input& input, const RunOptions& options, FoundRestartFile start);
   ExitCode run();
 
 private:
@@ -50,6 +51,7 @@ private:
 
   const Input& input;
   const RunOptions& options;
+  const FoundRestartFile start;
   const Stage* stage = nullptr;
   unsigned int stage_number = 0; ///< from 0
   double finished_time = 0.;     ///< of the stages before: s, a static one counts 1

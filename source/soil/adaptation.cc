@@ -26,6 +26,28 @@ template <int dim> bool reaches_into(const RefinedBox& box, const std::array<dou
 } // namespace
 
 template <int dim>
+double wanted_size(const RigidSystems& bodies, const Adaptivity& adaptivity, const double base_size,
+                   const std::array<double, dim>& corner, const double size)
+{
+  if (adaptivity.type != AdaptivityType::rigid_body_surface)
+    return base_size;
+  double wanted = base_size;
+  for (const RefinedBox& box : adaptivity.boxes)
+    if (box.element_size < wanted && reaches_into<dim>(box, corner, size))
+      wanted = box.element_size;
+  std::array<double, dim> far_corner = corner;
+  for (double& x : far_corner)
+    x += size;
+  const Eigen::Vector3d lower = to_world<dim>(corner), upper = to_world<dim>(far_corner);
+  if (surface_comes_within(bodies, lower, upper, touching * size))
+    return std::min(wanted, adaptivity.element_size);
+  if (adaptivity.region > 0. && adaptivity.element_size_in_region < wanted &&
+      surface_comes_within(bodies, lower, upper, adaptivity.region))
+    return adaptivity.element_size_in_region;
+  return wanted;
+}
+
+template <int dim>
 CellAdaptation<dim>::CellAdaptation(BackgroundMesh<dim>& mesh_, ParticleSet<dim>& particles_,
                                     const RigidSystems& bodies_, const Adaptivity& adaptivity_,
                                     const unsigned int points_per_axis_)
@@ -41,7 +63,7 @@ CellAdaptation<dim>::CellAdaptation(BackgroundMesh<dim>& mesh_, ParticleSet<dim>
 template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next()
 {
   const WantedSize<dim> wanted = [this](const std::array<double, dim>& lower, const double size)
-  { return wanted_size(lower, size); };
+  { return wanted_size<dim>(bodies, adaptivity, mesh.layout().base_size, lower, size); };
   refines = refines && flag_refinement<dim>(mesh, wanted, find_soil()) && change_cells();
   if (refines)
     return Pass::cells;
@@ -68,28 +90,6 @@ template <int dim> bool CellAdaptation<dim>::change_cells()
   const auto before = mesh.triangulation().n_global_active_cells();
   particles.carry_through([this] { mesh.triangulation().execute_coarsening_and_refinement(); });
   return mesh.triangulation().n_global_active_cells() != before;
-}
-
-template <int dim>
-double CellAdaptation<dim>::wanted_size(const std::array<double, dim>& corner, const double size) const
-{
-  const double base_size = mesh.layout().base_size;
-  if (adaptivity.type != AdaptivityType::rigid_body_surface)
-    return base_size;
-  double wanted = base_size;
-  for (const RefinedBox& box : adaptivity.boxes)
-    if (box.element_size < wanted && reaches_into<dim>(box, corner, size))
-      wanted = box.element_size;
-  std::array<double, dim> far_corner = corner;
-  for (double& x : far_corner)
-    x += size;
-  const Eigen::Vector3d lower = to_world<dim>(corner), upper = to_world<dim>(far_corner);
-  if (surface_comes_within(bodies, lower, upper, touching * size))
-    return std::min(wanted, adaptivity.element_size);
-  if (adaptivity.region > 0. && adaptivity.element_size_in_region < wanted &&
-      surface_comes_within(bodies, lower, upper, adaptivity.region))
-    return adaptivity.element_size_in_region;
-  return wanted;
 }
 
 /// By leaf: whether any rank's particles reach into it.
@@ -123,6 +123,8 @@ template <int dim> std::vector<double> CellAdaptation<dim>::find_largest_sizes()
   return largest;
 }
 
+template double wanted_size<2>(const RigidSystems&, const Adaptivity&, double, const std::array<double, 2>&, double);
+template double wanted_size<3>(const RigidSystems&, const Adaptivity&, double, const std::array<double, 3>&, double);
 template class CellAdaptation<2>;
 template class CellAdaptation<3>;
 } // namespace kedge

@@ -5,6 +5,9 @@
 
 namespace kedge
 {
+/// Removes a file of an earlier run, if it is there. Throws FileError. Of this process alone.
+void remove_earlier_file(const std::string& path);
+
 /// Removes the files of moments (VTK, tables of material points) after `step` and takes them off the lists of moments;
 /// step 0: everything that a run writes there, the table of the bodies too. Files with other names stay. Throws
 /// FileError. Of this process alone.

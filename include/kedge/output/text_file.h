@@ -5,6 +5,9 @@
 
 namespace kedge
 {
+/// What the system says of its last error (errno).
+std::string last_system_message();
+
 /// Writes `text` (any bytes) to `path`; replaces an existing file. Throws FileError.
 void write_text_file(const std::string& path, const std::string& text);
 

@@ -23,11 +23,10 @@ struct MergeResult
 ///
 /// Mass, momentum, initial volume, the domains' volume, sum V0 tau, sum m x and sum V0 det F are kept to round-off. The
 /// merged particle lies in the centre of mass; its domain has the proportions of the group's second moments and the
-/// domains' volume.
-/// F is the mean, scaled to the right determinant; stiffness and stress are means over the initial volume; the elastic
-/// strain is the mean over V0 E, with which Hencky's law holds for the merged stress, since Poisson's ratio is the
-/// layer's. A mean of stresses inside a convex yield surface lies inside it, and no surface here depends on E. The
-/// group's smallest number is kept. No communication but the sums of the result.
+/// domains' volume. F is the mean, scaled to the right determinant; stiffness and stress are means over the initial
+/// volume; the elastic strain is the mean over V0 E, with which Hencky's law holds for the merged stress, since
+/// Poisson's ratio is the layer's. A mean of stresses inside a convex yield surface lies inside it, and no surface here
+/// depends on E. The group's smallest number is kept. No communication but the sums of the result.
 template <int dim>
 MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh, unsigned int points_per_axis,
                             const std::function<bool(const dealii::Point<dim>&)>& keep, double energy_tolerance = 0.05);

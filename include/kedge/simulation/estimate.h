@@ -19,8 +19,8 @@ struct StageEstimate
 
 /// Counts cells, unknowns and material points at the start of every stage. Where bodies refine the mesh, it is built
 /// around them, where their prescribed motion takes them; what they refine as they move and the soil's motion are left
-/// out. Counting stops before the next level of refinement where there are more than `most_particles`. Time and memory
-/// come from rates measured on one core of a server; they tell minutes from hours, no more.
+/// out. Counting stops before a level of refinement that would hold more than `most_particles`. Time and memory come
+/// from rates measured on one core of a server; they tell minutes from hours, no more.
 std::vector<StageEstimate> estimate_cost(const Input& input, double most_particles = 1e6);
 
 /// The table that `kedge check` prints.

@@ -6,6 +6,11 @@
 
 namespace kedge
 {
+/// The largest edge (m) that the stage allows a cell with this lower corner and edge (m).
+template <int dim>
+double wanted_size(const RigidSystems& bodies, const Adaptivity& adaptivity, double base_size,
+                   const std::array<double, dim>& corner, double size);
+
 /// Changes the mesh until its cells have the sizes that the stage asks for at the bodies' surfaces and in the region
 /// around them: first level by level finer, then coarser. Cells without active soil are refined only where 2:1 asks for
 /// it; no cell coarsens while a particle in it needs it or while the surfaces ask its parent to be finer.
@@ -27,7 +32,6 @@ public:
   Pass next();
 
 private:
-  double wanted_size(const std::array<double, dim>& corner, double size) const;
   std::vector<unsigned char> find_soil() const;
   std::vector<double> find_largest_sizes() const;
   bool change_cells();

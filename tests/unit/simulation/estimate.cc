@@ -63,7 +63,7 @@ TEST(Estimate, CountsTimeStepsOfExplicitStages)
 
 TEST(Estimate, StopsCountingBetweenTwoLevels)
 {
-  const StageEstimate stage = estimate("cube-octree.json", {"analysis.0.adaptivity.element size=0.05"}, 1000.).front();
+  const StageEstimate stage = estimate("cube-octree.json", {"analysis.0.adaptivity.element size=0.05"}, 1200.).front();
   EXPECT_TRUE(stage.counting_stopped);
   EXPECT_EQ(stage.particles, 8. * (4. + 16. + 2. * 64.)); // those of 0.1 m
 }
