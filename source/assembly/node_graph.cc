@@ -252,9 +252,8 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
   }
   const std::vector<int> send_begin = begin_of_parts(send_count), receive_begin = begin_of_parts(receive_count);
   std::vector<double> received(std::size_t(block) * receive_begin[n_ranks]);
-  const PlainType block_type(block * sizeof(double));
-  MPI_Alltoallv(host.data() + block * graph.send_begin[0], send_count.data(), send_begin.data(), block_type.get(),
-                received.data(), receive_count.data(), receive_begin.data(), block_type.get(), graph.communicator);
+  exchange_known_parts(host.data() + block * graph.send_begin[0], send_begin, received.data(), receive_begin, block,
+                       graph.communicator);
 
   // The same block lies elsewhere in the sender's row and in this rank's, which may have more columns.
   std::size_t t = 0;

@@ -1,10 +1,44 @@
 // The committed history of the pairs: what a step leaves to the next one, from rank to rank and through restart files.
+#include <algorithm>
+#include <iterator>
 #include <kedge/base/communication.h>
 #include <kedge/contact/contact.h>
-#include <unordered_set>
+#include <unordered_map>
 
 namespace kedge
 {
+namespace
+{
+/// The records of the particles that have arrived here. Nobody knows where a particle has gone, so records and arrivals
+/// meet on the rank that the particle's number gives. Collective.
+std::vector<ContactRecord> deliver(const std::vector<ContactRecord>& leaving, const std::vector<long long>& arrived,
+                                   const MPI_Comm communicator)
+{
+  const int n_ranks = size_of(communicator);
+  std::vector<std::vector<ContactRecord>> records(n_ranks);
+  for (const ContactRecord& record : leaving)
+    records[record.particle % n_ranks].push_back(record);
+  std::vector<std::vector<long long>> arrivals(n_ranks);
+  for (const long long id : arrived)
+    arrivals[id % n_ranks].push_back(id);
+
+  std::unordered_map<long long, int> rank_of_particle;
+  const std::vector<std::vector<long long>> noted = exchange_between_ranks(arrivals, communicator);
+  for (int r = 0; r < n_ranks; ++r)
+    for (const long long id : noted[r])
+      rank_of_particle.emplace(id, r);
+  std::vector<std::vector<ContactRecord>> forward(n_ranks);
+  for (const auto& part : exchange_between_ranks(records, communicator))
+    for (const ContactRecord& record : part)
+      if (const auto found = rank_of_particle.find(record.particle); found != rank_of_particle.end())
+        forward[found->second].push_back(record); // the particles of others are gone
+  std::vector<ContactRecord> result;
+  for (const auto& part : exchange_between_ranks(forward, communicator))
+    result.insert(result.end(), part.begin(), part.end());
+  return result;
+}
+} // namespace
+
 template <int dim> void Contact<dim>::commit()
 {
   history = waiting;
@@ -15,24 +49,25 @@ template <int dim> void Contact<dim>::commit()
 
 template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
 {
-  std::unordered_set<long long> touched, here;
-  for (const auto& entry : history)
-    touched.insert(entry.first.particle);
-  for (const long long id : ids)
-    if (size_of(communicator) > 1 || touched.count(id))
-      here.insert(id);
+  std::vector<long long> here = ids;
+  std::sort(here.begin(), here.end());
   std::vector<ContactRecord> leaving;
   for (auto entry = history.begin(); entry != history.end();)
-    if (here.count(entry->first.particle))
+    if (std::binary_search(here.begin(), here.end(), entry->first.particle))
       ++entry;
     else
     {
       leaving.push_back(to_record(entry->first, entry->second));
       entry = history.erase(entry);
     }
-  for (const ContactRecord& record : gather_everywhere(leaving, communicator))
-    if (here.count(record.particle))
+  if (size_of(communicator) > 1 && max_over_ranks(!leaving.empty(), communicator) > 0.)
+  {
+    std::vector<long long> arrived;
+    std::set_difference(here.begin(), here.end(), known_ids.begin(), known_ids.end(), std::back_inserter(arrived));
+    for (const ContactRecord& record : deliver(leaving, arrived, communicator))
       enter(record);
+  }
+  known_ids = std::move(here);
 }
 
 template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)
@@ -64,6 +99,7 @@ template <int dim>
 void Contact<dim>::import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids)
 {
   history.clear();
+  known_ids.clear();
   for (const ContactRecord& record : records)
     enter(record);
   follow_particles(ids);

@@ -43,7 +43,7 @@ template <int dim> std::array<double, dim> parent_corner(const Leaf<dim>& leaf)
 template <int dim> bool begins_family(const std::vector<Leaf<dim>>& leaves, const std::size_t first)
 {
   constexpr unsigned int n = LeafTable<dim>::n_vertices;
-  if (leaves[first].tree_level == 0 || first + n > leaves.size())
+  if (first + n > leaves.size())
     return false;
   const std::array<double, dim> corner = parent_corner<dim>(leaves[first]);
   for (unsigned int child = 0; child < n; ++child)
@@ -95,8 +95,9 @@ Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wan
   constexpr unsigned int n = LeafTable<dim>::n_vertices;
   const MPI_Comm communicator = mesh.triangulation().get_communicator();
   const auto& leaves = mesh.leaves().leaves;
+  const int base_level = mesh.layout().base_level();
   const auto allows = [&](const std::vector<double>& limit, const std::size_t i)
-  { return leaves[i].tree_level > 0 && 2. * leaves[i].size <= slack * limit[i]; };
+  { return leaves[i].tree_level > base_level && 2. * leaves[i].size <= slack * limit[i]; };
 
   // Most calls end here, before the ranks exchange anything.
   bool any = false;

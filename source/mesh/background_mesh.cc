@@ -150,7 +150,7 @@ private:
     typename LeafTable<dim>::Leaf leaf;
     for (unsigned int d = 0; d < dim; ++d)
       leaf.lower[d] = cell->vertex(0)[d];
-    leaf.size = table.base_size / double(1u << cell->level());
+    leaf.size = table.trees.size / double(1u << cell->level());
     leaf.node_begin = table.nodes.size();
     leaf.weight_begin = table.weights.size();
     leaf.n_nodes = source.ids.size();
@@ -189,6 +189,30 @@ private:
   std::unordered_map<global_dof_index, unsigned int> local_number;
 };
 
+template <int dim> typename Partition<dim>::Trees trees_of(const GridLayout<dim>& grid)
+{
+  typename Partition<dim>::Trees trees;
+  for (unsigned int d = 0; d < dim; ++d)
+    trees.n[d] = grid.base_cells[d] >> grid.base_level();
+  trees.size = std::ldexp(grid.base_size, static_cast<int>(grid.base_level()));
+  return trees;
+}
+
+template <int dim>
+Partition<dim> find_partition(const dealii::parallel::distributed::Triangulation<dim>& forest,
+                              const typename Partition<dim>::Trees& trees)
+{
+  std::vector<std::uint64_t> number_in_forest(forest.n_cells(0));
+  std::array<double, dim> corner;
+  for (const auto& tree : forest.cell_iterators_on_level(0))
+    number_in_forest[trees.find(to_array<dim>(tree->center()), corner)] = tree->id().get_coarse_cell_id();
+  ForestPlace first = Partition<dim>::end();
+  for (const auto& cell : forest.active_cell_iterators())
+    if (cell->is_locally_owned())
+      first = std::min(first, place_in_forest(cell->id()));
+  return Partition<dim>(trees, std::move(number_in_forest), first, forest.get_communicator());
+}
+
 /// p4est reports every action on standard output unless it is told otherwise, once.
 MPI_Comm silence_p4est(const MPI_Comm communicator)
 {
@@ -201,6 +225,15 @@ MPI_Comm silence_p4est(const MPI_Comm communicator)
 }
 } // namespace
 
+ForestPlace place_in_forest(const dealii::CellId& id)
+{
+  ForestPlace place{id.get_coarse_cell_id(), 0}; // of distributed triangulations: the tree's number
+  unsigned int digit = ForestPlace::depth;
+  for (const std::uint8_t child : id.get_child_indices())
+    place.child |= static_cast<std::uint64_t>(child) << 3 * --digit;
+  return place;
+}
+
 template <int dim>
 BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>& layout)
     : grid(layout),
@@ -211,8 +244,15 @@ BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>
   dealii::Point<dim> upper;
   for (unsigned int d = 0; d < dim; ++d)
     upper[d] = grid.extent(d);
-  const std::vector<unsigned int> repetitions(grid.base_cells.begin(), grid.base_cells.end());
+  std::vector<unsigned int> repetitions;
+  for (const unsigned int n : grid.base_cells)
+    repetitions.push_back(n >> grid.base_level());
   dealii::GridGenerator::subdivided_hyper_rectangle(forest, repetitions, dealii::Point<dim>(), upper);
+  for (unsigned int level = 0; level < grid.base_level(); ++level)
+  {
+    forest.refine_global(1);
+    forest.repartition(); // level by level: no rank ever has all cells
+  }
   table.window.upper = grid.base_cells;
   update();
 }
@@ -249,24 +289,16 @@ template <int dim> void BackgroundMesh<dim>::update()
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();
   table.n_owned_nodes = nodes.n_locally_owned_dofs();
-  std::size_t n_base_cells = 1;
-  for (unsigned int d = 0; d < dim; ++d)
-    n_base_cells *= grid.base_cells[d];
-  table.tree.assign(n_base_cells, LeafTable<dim>::unknown);
+  table.trees = trees_of<dim>(grid);
+  table.partition = find_partition<dim>(forest, table.trees);
+  std::array<double, dim> corner;
+  table.tree.assign(forest.n_cells(0), LeafTable<dim>::unknown);
   leaf_of_cell.assign(forest.n_active_cells(), dealii::numbers::invalid_unsigned_int);
 
-  // Base cells are the first entries of the tree, x fastest, whatever order the forest has them in.
+  // The forest's trees are the first entries, x fastest, whatever order the forest has them in.
   LeafTableBuilder<dim> builder(table, leaf_of_cell, leaf_nodes, nodes.locally_owned_dofs());
   for (const auto& cell : forest.cell_iterators_on_level(0))
-  {
-    std::size_t entry = 0, stride = 1;
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      entry += stride * static_cast<std::size_t>(std::lround(cell->vertex(0)[d] / grid.base_size));
-      stride *= grid.base_cells[d];
-    }
-    builder.enter(cell, entry);
-  }
+    builder.enter(cell, table.trees.find(to_array<dim>(cell->center()), corner));
 }
 
 template class BackgroundMesh<2>;

@@ -8,6 +8,7 @@ namespace
 {
 // Sizes come from decimal input: 0.8 / 0.1 must count as 8, despite round-off.
 constexpr double rounding_slack = 1e-9;
+constexpr unsigned int largest_base_level = 3; // deeper trees cost more to search than they save
 
 unsigned int count_rounded_up(const double length, const double unit)
 {
@@ -19,6 +20,15 @@ double round_down_to_level(const double size, const double finest)
 {
   const double levels = std::floor(std::log2(size / finest) + rounding_slack);
   return finest * std::exp2(std::max(0., levels));
+}
+
+template <int dim> unsigned int GridLayout<dim>::base_level() const
+{
+  unsigned int level = 0;
+  const auto divides = [&](const unsigned int n) { return n % (2u << level) == 0; };
+  while (level < largest_base_level && std::all_of(base_cells.begin(), base_cells.end(), divides))
+    ++level;
+  return level;
 }
 
 template <int dim>

@@ -12,22 +12,26 @@ template <int dim> bool LeafTable<dim>::in_window(const Leaf& leaf) const
   return true;
 }
 
+template <int dim> bool LeafTable<dim>::in_grid(const std::array<double, dim>& x) const
+{
+  for (unsigned int d = 0; d < dim; ++d)
+    if (x[d] < 0. || x[d] > base_size * base_cells[d])
+      return false;
+  return true;
+}
+
+template <int dim> int LeafTable<dim>::find_owner(const std::array<double, dim>& x) const
+{
+  return in_grid(x) ? partition.find_owner(x) : -1;
+}
+
 template <int dim> int LeafTable<dim>::find_leaf(const std::array<double, dim>& x) const
 {
-  std::int32_t entry = 0;
-  unsigned int stride = 1;
+  if (!in_grid(x))
+    return -1;
   std::array<double, dim> corner;
-  for (unsigned int d = 0; d < dim; ++d)
-  {
-    if (x[d] < 0. || x[d] > base_size * base_cells[d])
-      return -1;
-    const unsigned int cell = std::min(static_cast<unsigned int>(x[d] / base_size), base_cells[d] - 1);
-    corner[d] = base_size * cell;
-    entry += cell * stride;
-    stride *= base_cells[d];
-  }
-  entry = tree[entry];
-  for (double half = 0.5 * base_size; entry >= 0; half *= 0.5)
+  std::int32_t entry = tree[trees.find(x, corner)];
+  for (double half = 0.5 * trees.size; entry >= 0; half *= 0.5)
   {
     unsigned int child = 0;
     for (unsigned int d = 0; d < dim; ++d)
@@ -79,9 +83,9 @@ void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower, const std
   std::array<unsigned int, 3> first{{0, 0, 0}}, last{{0, 0, 0}};
   for (unsigned int d = 0; d < dim; ++d)
   {
-    const double end = static_cast<double>(base_cells[d]) - 1.;
-    first[d] = static_cast<unsigned int>(std::clamp(std::floor(lower[d] / base_size), 0., end));
-    last[d] = static_cast<unsigned int>(std::clamp(std::floor(upper[d] / base_size), 0., end));
+    const double end = static_cast<double>(trees.n[d]) - 1.;
+    first[d] = static_cast<unsigned int>(std::clamp(std::floor(lower[d] / trees.size), 0., end));
+    last[d] = static_cast<unsigned int>(std::clamp(std::floor(upper[d] / trees.size), 0., end));
   }
   const BoxSearch<dim> search{*this, lower, upper, found};
   std::array<unsigned int, 3> cell;
@@ -93,11 +97,11 @@ void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower, const std
         unsigned int entry = 0, stride = 1;
         for (unsigned int d = 0; d < dim; ++d)
         {
-          corner[d] = base_size * cell[d];
+          corner[d] = trees.size * cell[d];
           entry += stride * cell[d];
-          stride *= base_cells[d];
+          stride *= trees.n[d];
         }
-        search.descend(tree[entry], corner, base_size);
+        search.descend(tree[entry], corner, trees.size);
       }
 }
 

@@ -3,7 +3,6 @@
 #include <kedge/base/communication.h>
 #include <kedge/mesh/octree.h>
 #include <set>
-#include <tuple>
 
 namespace kedge
 {
@@ -19,21 +18,14 @@ std::vector<typename BackgroundMesh<dim>::Cell> cells_in_forest_order(const Back
 {
   using Cell = typename BackgroundMesh<dim>::Cell;
   const auto& forest = mesh.triangulation();
-  // p4est orders by tree, then by child. A distributed triangulation numbers its coarse cells like the trees.
-  std::vector<std::tuple<std::size_t, std::vector<std::uint8_t>, Cell>> order;
+  std::vector<std::pair<ForestPlace, Cell>> order;
   for (const auto& cell : forest.active_cell_iterators())
     if (cell->is_locally_owned())
-    {
-      const dealii::CellId id = cell->id();
-      const auto children = id.get_child_indices();
-      order.emplace_back(id.get_coarse_cell_id(), std::vector<std::uint8_t>(children.begin(), children.end()), cell);
-    }
-  std::sort(order.begin(), order.end(),
-            [](const auto& a, const auto& b)
-            { return std::tie(std::get<0>(a), std::get<1>(a)) < std::tie(std::get<0>(b), std::get<1>(b)); });
+      order.emplace_back(place_in_forest(cell->id()), cell);
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Cell> cells;
   for (const auto& entry : order)
-    cells.push_back(std::get<2>(entry));
+    cells.push_back(entry.second);
   return cells;
 }
 
@@ -41,8 +33,8 @@ template <int dim>
 LeafPlace<dim> place_of(const typename BackgroundMesh<dim>::Cell& cell, const BackgroundMesh<dim>& mesh)
 {
   LeafPlace<dim> place;
-  place.level = cell->level();
-  const double size = std::ldexp(mesh.layout().base_size, -cell->level());
+  place.level = cell->level() - mesh.layout().base_level();
+  const double size = std::ldexp(mesh.layout().base_size, -static_cast<int>(place.level));
   for (unsigned int d = 0; d < dim; ++d)
     place.index[d] = std::llround(cell->vertex(0)[d] / size);
   return place;

@@ -1,3 +1,5 @@
+#include "gather.h"
+
 #include <kedge/output/grids.h>
 
 namespace kedge
@@ -91,7 +93,7 @@ template <int dim> UnstructuredGrid soil_cells(const BackgroundMesh<dim>& mesh, 
         upper[d] = cell->vertex((1u << dim) - 1)[d];
       }
       add_box<dim>(lower, upper, grid);
-      levels.push_back(cell->level());
+      levels.push_back(cell->level() - static_cast<int>(mesh.layout().base_level()));
       active.push_back(mesh.in_window(cell));
     }
   grid.cell_data.push_back({"level", 1, std::move(levels)});
@@ -130,6 +132,24 @@ UnstructuredGrid tracked_nodes(const RigidSystems& bodies)
   grid.point_data.push_back({"body", 1, std::move(body)});
   grid.point_data.push_back({"velocity", 3, std::move(velocity), component_names(3)});
   return grid;
+}
+
+UnstructuredGrid gather_grid(UnstructuredGrid mine, const MPI_Comm communicator)
+{
+  const long long first = sum_over_lower_ranks(static_cast<long long>(mine.n_points()), communicator);
+  for (std::int32_t& point : mine.connectivity)
+    point += static_cast<std::int32_t>(first);
+  const auto gather_data = [communicator](std::vector<DataArray>& arrays)
+  {
+    for (DataArray& array : arrays)
+      std::visit([&](auto& values) { values = gather_rows_on_root(values, array.n_components, communicator); },
+                 array.values);
+  };
+  mine.points = gather_rows_on_root(mine.points, 3, communicator);
+  mine.connectivity = gather_rows_on_root(mine.connectivity, 1, communicator);
+  gather_data(mine.point_data);
+  gather_data(mine.cell_data);
+  return mine;
 }
 
 template UnstructuredGrid particle_boxes<2>(const std::vector<ParticleView>&, const std::vector<ParticleField>&);

@@ -11,6 +11,8 @@ namespace kedge
 {
 namespace
 {
+constexpr int ranks_per_file = 16; // fewer files than ranks, and no file that a rank has no room for
+
 void create_folder(const std::string& folder)
 {
   std::error_code error;
@@ -110,7 +112,7 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
   if (vtk)
   {
     const std::vector<ContactForce> contact = gather_contact(state.touches, communicator);
-    agree(communicator, [&] { write_snapshot(state, layers, contact); });
+    write_snapshot(state, layers, contact);
   }
   if (csv && !parameters.csv.particle_fields.empty())
     for (unsigned int layer = 0; layer < n_layers; ++layer)
@@ -146,31 +148,46 @@ void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers&
     write_piece(fmt::format("mps_{}", layer + 1), particle_boxes<dim>(layers[layer], vtk_particle_fields[layer]),
                 state);
   write_piece("mesh", soil_cells(state.mesh, state.particles), state);
-  if (rank_of(communicator) != 0)
-    return;
-  if (!state.bodies.empty())
-    write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
-  if (!state.bodies.surfaces.empty())
-    write_on_root("surface", body_surfaces<dim>(state.bodies, contact), state);
-  if (!state.bodies.tracked.empty())
-    write_on_root("tracked", tracked_nodes(state.bodies), state);
+  agree(communicator,
+        [&]
+        {
+          if (rank_of(communicator) != 0)
+            return;
+          if (!state.bodies.empty())
+            write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
+          if (!state.bodies.surfaces.empty())
+            write_on_root("surface", body_surfaces<dim>(state.bodies, contact), state);
+          if (!state.bodies.tracked.empty())
+            write_on_root("tracked", tracked_nodes(state.bodies), state);
+        });
 }
 
 template <int dim>
-void OutputWriter<dim>::write_piece(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state)
+void OutputWriter<dim>::write_piece(const std::string& series, UnstructuredGrid grid, const Snapshot<dim>& state)
 {
   const int n_ranks = size_of(communicator), rank = rank_of(communicator);
   if (n_ranks == 1)
     return write_on_root(series, grid, state);
-  std::vector<std::string> pieces;
-  for (int r = 0; r < n_ranks; ++r)
-    pieces.push_back(file_name(series, state.step, fmt::format("_{}.vtu", r)));
-  write_vtu(grid, vtk_folder + "/" + pieces[rank], state.total_time);
-  if (rank != 0)
-    return;
-  const std::string joined = file_name(series, state.step, ".pvtu");
-  write_pvtu(grid, pieces, vtk_folder + "/" + joined);
-  list(series, joined, state.total_time);
+  const int piece = rank / ranks_per_file;
+  MPI_Comm writers = MPI_COMM_NULL;
+  MPI_Comm_split(communicator, piece, rank, &writers);
+  grid = gather_grid(std::move(grid), writers);
+  MPI_Comm_free(&writers);
+  agree(communicator,
+        [&]
+        {
+          if (rank % ranks_per_file != 0)
+            return;
+          std::vector<std::string> pieces;
+          for (int first = 0; first < n_ranks; first += ranks_per_file)
+            pieces.push_back(file_name(series, state.step, fmt::format("_{}.vtu", first / ranks_per_file)));
+          write_vtu(grid, vtk_folder + "/" + pieces[piece], state.total_time);
+          if (rank != 0)
+            return;
+          const std::string joined = file_name(series, state.step, ".pvtu");
+          write_pvtu(grid, pieces, vtk_folder + "/" + joined);
+          list(series, joined, state.total_time);
+        });
 }
 
 template <int dim>

@@ -12,14 +12,6 @@ namespace kedge
 {
 namespace
 {
-template <int dim> std::array<double, dim> to_array(const dealii::Point<dim>& point)
-{
-  std::array<double, dim> x;
-  for (unsigned int d = 0; d < dim; ++d)
-    x[d] = point[d];
-  return x;
-}
-
 /// Number of nodes of the active leaves under a box. The box counts a little smaller, for its face may be a leaf's.
 template <int dim>
 unsigned int count_nodes(const LeafTable<dim>& table, const dealii::Point<dim>& centre, const double* half_width,
@@ -207,34 +199,44 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
-/// Particles that have moved into parts of the grid that this rank does not know: the handler looks no farther than the
-/// neighbours of the rank's cells.
+/// Takes out the particles that have moved into parts of the grid that this rank does not know: the handler looks no
+/// farther than the neighbours of the rank's cells. Returns those that have come to this rank's part; those off the
+/// grid are lost. Collective.
 template <int dim> std::vector<Stray<dim>> ParticleSet<dim>::take_out_strays()
 {
   const MPI_Comm communicator = mesh.triangulation().get_communicator();
   std::vector<Stray<dim>> strays;
   if (size_of(communicator) == 1)
     return strays;
+  std::vector<std::vector<Stray<dim>>> to_owner(size_of(communicator));
   std::vector<typename Handler::particle_iterator> leaving;
   for (const Place& place : mirror.order)
     if (const auto x = to_array<dim>(place.particle->get_location()); mesh.leaves().find_leaf(x) < 0)
     {
-      strays.push_back({x, static_cast<long long>(place.particle->get_id()), {}});
-      std::copy_n(place.particle->get_properties().data(), field::count, strays.back().data.begin());
       leaving.push_back(place.particle);
+      const int owner = mesh.leaves().find_owner(x);
+      if (owner < 0) // it has left the grid
+        continue;
+      Stray<dim>& stray = to_owner[owner].emplace_back();
+      stray.position = x;
+      stray.id = place.particle->get_id();
+      std::copy_n(place.particle->get_properties().data(), field::count, stray.data.begin());
     }
-  if (sum_over_ranks(static_cast<long long>(leaving.size()), communicator) > 0)
-    edit().remove_particles(leaving);
-  return gather_everywhere(strays, communicator);
+  if (sum_over_ranks(static_cast<long long>(leaving.size()), communicator) == 0)
+    return strays;
+  edit().remove_particles(leaving);
+  for (const auto& part : exchange_between_ranks(to_owner, communicator))
+    strays.insert(strays.end(), part.begin(), part.end());
+  return strays;
 }
 
-/// Takes those in whose leaf this rank owns; collective where there are any. What is off the grid is lost.
+/// Collective.
 template <int dim> void ParticleSet<dim>::bring_in(const std::vector<Stray<dim>>& strays)
 {
-  if (strays.empty())
+  if (max_over_ranks(!strays.empty(), mesh.triangulation().get_communicator()) == 0.)
     return;
   for (const Stray<dim>& stray : strays)
-    if (const int number = mesh.leaves().find_leaf(stray.position); number >= 0 && mesh.leaves().leaves[number].owned)
+    if (const int number = mesh.leaves().find_leaf(stray.position); number >= 0)
     {
       const auto& leaf = mesh.leaves().leaves[number];
       const typename BackgroundMesh<dim>::Cell cell(&mesh.triangulation(), leaf.tree_level, leaf.tree_index);

@@ -81,6 +81,32 @@ std::array<Piece<dim>, 1u << dim> cut_in_octants(const Piece<dim>& parent, const
 /// twice as wide.
 double widest(const unsigned int points_per_axis) { return std::sqrt(2.) / points_per_axis; }
 
+/// Places of different numbers below `end` in the sorted list of those of all ranks. Each rank sorts a range of them.
+/// Collective.
+std::vector<long long> places_among_all(const std::vector<long long>& numbers, const long long end,
+                                        const MPI_Comm communicator)
+{
+  const long long n_ranks = size_of(communicator), range = end / n_ranks + 1;
+  std::vector<std::vector<long long>> asked(n_ranks);
+  for (const long long number : numbers)
+    asked[number / range].push_back(number);
+  std::vector<std::vector<long long>> questions = exchange_between_ranks(asked, communicator);
+  std::vector<long long> sorted;
+  for (const auto& part : questions)
+    sorted.insert(sorted.end(), part.begin(), part.end());
+  std::sort(sorted.begin(), sorted.end());
+  const long long before = sum_over_lower_ranks(static_cast<long long>(sorted.size()), communicator);
+  for (auto& part : questions)
+    for (long long& number : part)
+      number = before + (std::lower_bound(sorted.begin(), sorted.end(), number) - sorted.begin());
+  const std::vector<std::vector<long long>> answers = exchange_between_ranks(questions, communicator);
+  std::vector<std::size_t> next(n_ranks, 0);
+  std::vector<long long> places;
+  for (const long long number : numbers)
+    places.push_back(answers[number / range][next[number / range]++]);
+  return places;
+}
+
 /// The splitting of all particles of all ranks, generation by generation.
 template <int dim> class Splitting
 {
@@ -153,31 +179,32 @@ private:
     std::vector<long long> numbers;
     for (const Piece<dim>& parent : parents)
       numbers.push_back(parent.id);
-    numbers = gather_everywhere(numbers, communicator);
-    std::sort(numbers.begin(), numbers.end());
+    const std::vector<long long> places = places_among_all(numbers, next_number, communicator);
+    const long long n_parents = sum_over_ranks(static_cast<long long>(parents.size()), communicator);
 
-    std::vector<Piece<dim>> strays;
+    std::vector<std::vector<Piece<dim>>> strays(size_of(communicator));
     std::vector<std::vector<Split<dim>>> by_origin(size_of(communicator));
-    for (const Piece<dim>& parent : parents)
+    for (std::size_t i = 0; i < parents.size(); ++i)
     {
+      const Piece<dim>& parent = parents[i];
       const double size = mesh.leaves().leaves[mesh.leaves().find_leaf(parent.position)].size;
       Split<dim> split{parent.id, {{parent.id}}, parent.position, {}, {}};
       split.axes = axes_wider_than<dim>(parent.data.data(), limit * size);
       std::copy_n(&parent.data[field::half_width], dim, split.half_width.begin());
-      const long long place = std::lower_bound(numbers.begin(), numbers.end(), parent.id) - numbers.begin();
-      std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * place);
+      std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * places[i]);
       by_origin[parent.origin].push_back(split);
       const auto children = cut_in_octants<dim>(parent, split, mesh.layout());
       for (unsigned int octant = 0; octant < children.size(); ++octant)
         if (split.has_child(octant) && !take_if_owned(children[octant]))
-          strays.push_back(children[octant]);
+          strays[mesh.leaves().find_owner(children[octant].position)].push_back(children[octant]);
     }
-    next_number += (n_children - 1) * numbers.size();
+    next_number += (n_children - 1) * n_parents;
     if (next_number > std::numeric_limits<dealii::types::particle_index>::max())
       throw SolverError("splitting has used up the numbers of material points; choose a coarser mesh at the bodies");
 
-    for (const Piece<dim>& stray : gather_everywhere(strays, communicator))
-      take_if_owned(stray);
+    for (const auto& part : exchange_between_ranks(strays, communicator))
+      for (const Piece<dim>& stray : part)
+        take_if_owned(stray);
     for (const auto& part : exchange_between_ranks(by_origin, communicator))
       splits.insert(splits.end(), part.begin(), part.end());
   }

@@ -30,24 +30,27 @@ template <int dim> struct Answer
   Vector<dim> increment;
 };
 
-/// Asks all ranks for the increments at nodes in leaves that this one did not know.
+/// Asks the former owners for the increments at nodes in leaves that this rank did not know.
 template <int dim>
 void ask_others(const std::vector<double>& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
                 const std::vector<std::size_t>& unknown, const MPI_Comm communicator, std::vector<double>& result)
 {
   struct Question
   {
-    int rank;
     std::size_t node;
     Vector<dim> x;
   };
-  std::vector<Question> questions;
+  const int n_ranks = size_of(communicator);
+  std::vector<std::vector<Question>> questions(n_ranks);
   for (const std::size_t node : unknown)
-    questions.push_back({rank_of(communicator), node, to.node_position[node]});
-  std::vector<std::vector<Answer<dim>>> answers(size_of(communicator));
-  for (const Question& question : gather_everywhere(questions, communicator))
-    if (const int leaf = from.find_leaf(question.x); leaf >= 0 && from.leaves[leaf].owned)
-      answers[question.rank].push_back({question.node, interpolate<dim>(prediction, from, leaf, question.x)});
+    if (const int owner = from.find_owner(to.node_position[node]); owner >= 0)
+      questions[owner].push_back({node, to.node_position[node]});
+  const std::vector<std::vector<Question>> asked = exchange_between_ranks(questions, communicator);
+  std::vector<std::vector<Answer<dim>>> answers(n_ranks);
+  for (int r = 0; r < n_ranks; ++r)
+    for (const Question& question : asked[r])
+      if (const int leaf = from.find_leaf(question.x); leaf >= 0)
+        answers[r].push_back({question.node, interpolate<dim>(prediction, from, leaf, question.x)});
   for (const auto& from_rank : exchange_between_ranks(answers, communicator))
     for (const Answer<dim>& answer : from_rank)
       std::copy(answer.increment.begin(), answer.increment.end(), result.begin() + dim * answer.node);

@@ -44,12 +44,25 @@ private:
   TpetraVector inverse;
 };
 
+/// A vector of the border's unknowns that every rank has.
+Teuchos::RCP<MultiVector> make_rigid_vector(const Border& border)
+{
+  const Tpetra::global_size_t n = border.corner.rows();
+  return Teuchos::rcp(new MultiVector(
+      Teuchos::rcp(new TpetraMap(n, 0, border.rows->getMap()->getComm(), Tpetra::LocallyReplicated)), 1));
+}
+
 /// B^T x, the same on all ranks.
 Eigen::VectorXd multiply_rows(const Border& border, const MultiVector& x)
 {
   Eigen::VectorXd result(border.corner.rows());
+  if (result.size() == 0)
+    return result;
+  const auto product = make_rigid_vector(border);
+  product->multiply(Teuchos::TRANS, Teuchos::NO_TRANS, 1., *border.rows, x, 0.); // one reduction for all
+  const auto view = product->getLocalViewHost(Tpetra::Access::ReadOnly);
   for (Eigen::Index i = 0; i < result.size(); ++i)
-    result[i] = border.rows->getVector(i)->dot(*x.getVector(0));
+    result[i] = view(i, 0);
   return result;
 }
 

@@ -15,10 +15,20 @@ using Utilities = MueLu::Utilities<double, LocalOrdinal, GlobalOrdinal, TpetraNo
 /// Of the finest level's smoother after the coarse correction. On a plate pulled through sand two take a quarter fewer
 /// iterations than one, each dearer by a seventh.
 constexpr unsigned int sweeps = 2;
+/// Rows from which a hierarchy certainly has two levels below the finest one.
+constexpr std::size_t large_enough_to_gather = 20000;
 /// On all levels, before and after the coarse correction, where those do not do.
 constexpr int strong_sweeps = 4;
 
-Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel)
+/// How the coarsest level is solved.
+enum class Coarsest
+{
+  factorised, ///< on one rank
+  smoothed    ///< where it lies
+};
+
+Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel,
+                                            const Coarsest coarsest)
 {
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
@@ -29,9 +39,22 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("smoother: pre or post", strong ? "both" : "post");
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
-  list.set("coarse: max size", parallel ? 300 : 1000);
-  if (parallel) // KLU2 of Trilinos 13 gives wrong results for matrices on several ranks, also for symmetric ones
+  list.set("coarse: max size", coarsest == Coarsest::smoothed ? 300 : 1000);
+  if (parallel && coarsest == Coarsest::factorised)
   {
+    // Neighbouring ranks have neighbouring parts, so blocks of the rows' numbers are parts of the soil. The level below
+    // the finest one stays as it is, for apply() takes its vectors.
+    list.set("repartition: enable", true);
+    list.set("repartition: partitioner", "zoltan2");
+    list.sublist("repartition: params").set("algorithm", "block");
+    list.set("repartition: start level", 2);
+    list.set("repartition: min rows per proc", 1000);
+    list.set("repartition: target rows per proc", 2000);
+    list.set("repartition: rebalance P and R", false); // as renew() needs it
+  }
+  if (coarsest == Coarsest::smoothed)
+  {
+    // KLU2 of Trilinos 13 gives wrong results for matrices on several ranks, also for symmetric ones.
     list.set("coarse: type", "RELAXATION");
     Teuchos::ParameterList& coarse = list.sublist("coarse: params");
     coarse.set("relaxation: type", "Symmetric Gauss-Seidel");
@@ -82,18 +105,24 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
                                          const Teuchos::RCP<TpetraMultiVector>& near_null_space,
                                          const unsigned int block_size, const bool strong)
 {
-  Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, matrix->getComm()->getSize() > 1);
-  list.sublist("user data").set("Nullspace", near_null_space);
   auto made = std::make_unique<Implementation>();
   made->matrix = matrix;
   made->block_size = block_size;
   made->sweeps_before = strong ? strong_sweeps : 0;
   made->sweeps_after = strong ? strong_sweeps : sweeps;
   const Teuchos::RCP<TpetraOperator> as_operator = matrix;
-  try
+  const bool parallel = matrix->getComm()->getSize() > 1;
+  const auto make = [&](const Coarsest coarsest)
   {
+    Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, parallel, coarsest);
+    list.sublist("user data").set("Nullspace", near_null_space);
     made->hierarchy =
         MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
+  };
+  try
+  {
+    const bool one_rank_factorises = !parallel || matrix->getGlobalNumRows() > large_enough_to_gather;
+    make(one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
   }
   catch (const std::exception&) // MueLu throws if it finds none
   {

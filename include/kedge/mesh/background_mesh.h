@@ -9,6 +9,17 @@
 
 namespace kedge
 {
+template <int dim> std::array<double, dim> to_array(const dealii::Point<dim>& point)
+{
+  std::array<double, dim> x;
+  for (unsigned int d = 0; d < dim; ++d)
+    x[d] = point[d];
+  return x;
+}
+
+/// Of a cell of a distributed triangulation.
+ForestPlace place_in_forest(const dealii::CellId& id);
+
 template <int dim> class BackgroundMesh
 {
 public:

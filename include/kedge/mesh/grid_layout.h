@@ -15,6 +15,9 @@ template <int dim> struct GridLayout
   std::array<double, dim> soil_extent{};      ///< upper corner of the soil block; 0 beside the last: as the grid
 
   double extent(const unsigned int axis) const { return base_size * base_cells[axis]; }
+  /// How often a tree of the forest is halved to give base cells. Every rank keeps all trees, so they are as large as
+  /// the numbers of base cells allow: 2^n divides all of them.
+  unsigned int base_level() const;
 };
 
 /// Largest size not above `size` that is `finest` times a power of two (both in m).

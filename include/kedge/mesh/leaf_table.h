@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <kedge/mesh/partition.h>
 #include <kedge/mesh/window.h>
 #include <vector>
 
@@ -29,10 +30,12 @@ template <int dim> struct LeafTable
   };
 
   /// Octree without pointers. An entry >= 0 is the position of the first of 2^dim consecutive children, an entry < 0
-  /// stands for leaf -1 - entry, and `unknown` marks parts that other ranks own. The first entries are the base cells,
-  /// x fastest.
+  /// stands for leaf -1 - entry, and `unknown` marks parts that other ranks own. The first entries are the forest's
+  /// trees, x fastest.
   static constexpr std::int32_t unknown = INT32_MIN;
   std::vector<std::int32_t> tree;
+  typename Partition<dim>::Trees trees;
+  Partition<dim> partition;
   std::array<unsigned int, dim> base_cells{};
   double base_size = 0.;
   Window<dim> window; ///< where soil is active
@@ -57,6 +60,8 @@ template <int dim> struct LeafTable
   /// Leaf that holds x, or -1 if x is outside the grid or in an unknown part. A point on a face belongs to the upper
   /// cell, except on the upper boundary of the grid.
   int find_leaf(const std::array<double, dim>& x) const;
+  /// Rank that owns the leaf that holds x, wherever that is; -1 outside the grid.
+  int find_owner(const std::array<double, dim>& x) const;
 
   /// The half-widths (m) of a box around x that reach no farther than through the neighbours of the owned leaf that
   /// holds x: each is cut to the distance from x to the nearer face of that leaf plus the edge of the smallest
@@ -68,5 +73,8 @@ template <int dim> struct LeafTable
   /// Appends the leaves whose interior meets the open box (lower, upper), in tree order.
   void find_leaves(const std::array<double, dim>& lower, const std::array<double, dim>& upper,
                    std::vector<unsigned int>& found) const;
+
+private:
+  bool in_grid(const std::array<double, dim>& x) const;
 };
 } // namespace kedge

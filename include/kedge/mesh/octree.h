@@ -5,7 +5,8 @@
 
 namespace kedge
 {
-/// A leaf: its level and, along each axis, the number of edges of its own size before its lower corner.
+/// A leaf: its level below the base cells and, along each axis, the number of edges of its own size before its lower
+/// corner.
 template <int dim> struct LeafPlace
 {
   unsigned int level;

@@ -32,4 +32,7 @@ UnstructuredGrid tracked_nodes(const RigidSystems& bodies);
 /// The latter sums the contact points nearest to a triangle and divides by its area (2-D: force per metre by the length
 /// of the side).
 template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact);
+
+/// The grids of all ranks, which have the same arrays, as one; on rank 0 only. Collective.
+UnstructuredGrid gather_grid(UnstructuredGrid mine, MPI_Comm communicator);
 } // namespace kedge

@@ -48,6 +48,59 @@ TEST(ExchangeBetweenRanks, DeliversNothingIfNothingWasSent)
   EXPECT_EQ(count, rank_of(world) == size_of(world) - 1 ? 3u : 0u);
 }
 
+TEST(ExchangeBetweenRanks, KeepsOneExchangeApartFromTheNext)
+{
+  // Few messages, so that no rank waits for another unless the exchange makes it wait.
+  const int rank = rank_of(world), size = size_of(world);
+  for (int round = 0; round < 300; ++round)
+  {
+    const int from = round % size, to = (round / size) % size;
+    std::vector<std::vector<int>> out(size);
+    if (rank == from)
+      out[to] = {round};
+    const auto in = exchange_between_ranks(out, world);
+    for (int r = 0; r < size; ++r)
+      ASSERT_EQ(in[r], rank == to && r == from ? std::vector<int>{round} : std::vector<int>{});
+  }
+}
+
+TEST(ExchangeBetweenRanks, CountsEachCommunicatorApart)
+{
+  // Some ranks exchange more often than others, among themselves.
+  const int rank = rank_of(world), size = size_of(world);
+  MPI_Comm lower = MPI_COMM_NULL;
+  MPI_Comm_split(world, rank < 2 ? 0 : 1, rank, &lower);
+  std::vector<std::vector<int>> out(size_of(lower));
+  out.back() = {rank};
+  exchange_between_ranks(out, lower);
+  std::vector<std::vector<int>> everywhere(size, {rank});
+  const auto in = exchange_between_ranks(everywhere, world);
+  for (int r = 0; r < size; ++r)
+    EXPECT_EQ(in[r], std::vector<int>{r});
+  MPI_Comm_free(&lower);
+}
+
+TEST(ExchangeKnownParts, DeliversEachPartToItsPlace)
+{
+  // Rank r sends s entries of two numbers to rank s, so rank 0 gets nothing.
+  constexpr int width = 2;
+  const int rank = rank_of(world), size = size_of(world);
+  std::vector<int> send_begin{0}, receive_begin{0};
+  std::vector<double> out;
+  for (int r = 0; r < size; ++r)
+  {
+    send_begin.push_back(send_begin.back() + r);
+    receive_begin.push_back(receive_begin.back() + rank);
+    for (int n = 0; n < width * r; ++n)
+      out.push_back(100. * rank + 10. * r + n);
+  }
+  std::vector<double> in(width * receive_begin.back());
+  exchange_known_parts(out.data(), send_begin, in.data(), receive_begin, width, world);
+  for (int r = 0; r < size; ++r)
+    for (int n = 0; n < width * rank; ++n)
+      EXPECT_EQ(in[width * receive_begin[r] + n], 100. * r + 10. * rank + n);
+}
+
 TEST(GatherEverywhere, JoinsInRankOrder)
 {
   const std::vector<long long> mine(rank_of(world) + 1, rank_of(world));

@@ -23,6 +23,20 @@ TEST(GridLayout, OneSizeIsExact)
   EXPECT_EQ(grid.base_cells, (std::array<unsigned int, 3>{{10, 3, 4}}));
 }
 
+TEST(GridLayout, TreesAreAsLargeAsTheNumbersOfBaseCellsAllow)
+{
+  GridLayout<2> grid;
+  const auto base_level = [&](const unsigned int n, const unsigned int m)
+  {
+    grid.base_cells = {{n, m}};
+    return grid.base_level();
+  };
+  EXPECT_EQ(base_level(7, 4), 0u);
+  EXPECT_EQ(base_level(12, 4), 2u);
+  EXPECT_EQ(base_level(2, 2), 1u);
+  EXPECT_EQ(base_level(64, 128), 3u); // no more: find_leaf goes down from the tree
+}
+
 TEST(GridLayout, FootprintIsRoundedUpToWholeBaseCells)
 {
   const GridLayout<3> grid = make_grid_layout<3>(4., {0.1, 0.4}, {{100., 10.}}, 18.123, 1);

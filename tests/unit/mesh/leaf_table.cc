@@ -8,10 +8,27 @@ using namespace kedge;
 
 namespace
 {
-template <typename Dimension> class LeafTables : public testing::Test, public test::RefinedMesh<Dimension::value>
+/// A dimension, and how often trees are halved to give base cells.
+template <int dim, unsigned int base_level> struct Forest : std::integral_constant<int, dim>
+{
+  static constexpr unsigned int level = base_level;
+};
+
+struct ForestName
+{
+  template <typename Forest> static std::string GetName(int)
+  {
+    return std::to_string(Forest::value) + "d" + std::to_string(1u << Forest::level);
+  }
+};
+
+template <typename Forest> class LeafTables : public testing::Test, public test::RefinedMesh<Forest::value>
 {
 public:
-  static constexpr int dim = Dimension::value;
+  static constexpr int dim = Forest::value;
+
+  LeafTables() : test::RefinedMesh<dim>(MPI_COMM_WORLD, Forest::level) {}
+
   using Point = std::array<double, dim>;
 
   const LeafTable<dim>& table() const { return this->mesh.leaves(); }
@@ -40,8 +57,8 @@ public:
   }
 };
 
-using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_constant<int, 3>>;
-TYPED_TEST_SUITE(LeafTables, Dimensions, test::DimensionName);
+using Forests = testing::Types<Forest<2, 0>, Forest<3, 0>, Forest<2, 2>, Forest<3, 1>>;
+TYPED_TEST_SUITE(LeafTables, Forests, ForestName);
 } // namespace
 
 TYPED_TEST(LeafTables, HoldSeveralLevelsAndHangingNodes)
@@ -55,7 +72,9 @@ TYPED_TEST(LeafTables, HoldSeveralLevelsAndHangingNodes)
     hanging += !leaf.regular;
   }
   levels = gather_everywhere(levels, MPI_COMM_WORLD);
-  EXPECT_EQ(std::set<int>(levels.begin(), levels.end()), (std::set<int>{0, 1, 2}));
+  const int base = TypeParam::level;
+  EXPECT_EQ(this->mesh.layout().base_level(), TypeParam::level);
+  EXPECT_EQ(std::set<int>(levels.begin(), levels.end()), (std::set<int>{base, base + 1, base + 2}));
   EXPECT_GT(sum_over_ranks(hanging, MPI_COMM_WORLD), 0);
 }
 
@@ -140,10 +159,37 @@ TYPED_TEST(LeafTables, MatchTheCellsTheyCameFrom)
     }
 }
 
+TYPED_TEST(LeafTables, TellTheOwnerOfAnyPlace)
+{
+  struct Owned
+  {
+    typename TestFixture::Point x;
+    int owner;
+  };
+  test::RankRandom random(7);
+  std::vector<Owned> mine;
+  const auto note = [&](const typename TestFixture::Point& x)
+  {
+    if (const int leaf = this->table().find_leaf(x); leaf >= 0)
+      mine.push_back({x, static_cast<int>(this->table().leaves[leaf].owner)});
+  };
+  for (unsigned int n = 0; n < 200; ++n)
+    note(this->random_point(random));
+  for (const auto& leaf : this->table().leaves) // corners, where up to 2^dim leaves meet
+    note(leaf.lower);
+  for (const Owned& place : gather_everywhere(mine, MPI_COMM_WORLD))
+    ASSERT_EQ(this->table().find_owner(place.x), place.owner);
+
+  auto outside = this->table().leaves.front().lower;
+  outside[0] = -0.1;
+  EXPECT_EQ(this->table().find_owner(outside), -1);
+}
+
 TYPED_TEST(LeafTables, NameEachTrueNodeOnceOverAllRanks)
 {
   // A vertex is true unless it lies in the closure of a leaf without being one of its corners.
   constexpr int dim = TypeParam::value;
+  const double finest = std::ldexp(0.3, -2 - static_cast<int>(TypeParam::level));
   struct Named
   {
     long long id;
@@ -155,7 +201,7 @@ TYPED_TEST(LeafTables, NameEachTrueNodeOnceOverAllRanks)
   {
     Named node{this->table().node_ids[i], {}, int(this->table().node_owner_is_me[i])};
     for (unsigned int d = 0; d < dim; ++d)
-      node.place[d] = std::llround(this->table().node_position[i][d] / 0.3 * 4.);
+      node.place[d] = std::llround(this->table().node_position[i][d] / finest);
     mine.push_back(node);
   }
   std::map<long long, std::array<long long, dim>> place_of;
@@ -172,13 +218,13 @@ TYPED_TEST(LeafTables, NameEachTrueNodeOnceOverAllRanks)
   for (const auto& [id, count] : owners)
     ASSERT_EQ(count, 1) << "node " << id;
 
-  const test::RefinedMesh<dim> serial(MPI_COMM_SELF);
+  const test::RefinedMesh<dim> serial(MPI_COMM_SELF, TypeParam::level);
   std::set<std::array<long long, dim>> corners, hanging;
-  const auto to_place = [](const auto& x, const double size, const unsigned int v)
+  const auto to_place = [finest](const auto& x, const double size, const unsigned int v)
   {
     std::array<long long, dim> place;
     for (unsigned int d = 0; d < dim; ++d)
-      place[d] = std::llround((x[d] + ((v >> d) & 1u ? size : 0.)) / 0.3 * 4.);
+      place[d] = std::llround((x[d] + ((v >> d) & 1u ? size : 0.)) / finest);
     return place;
   };
   for (const auto& leaf : serial.mesh.leaves().leaves)

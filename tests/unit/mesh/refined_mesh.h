@@ -58,10 +58,12 @@ template <int dim> void refine_some_cells(BackgroundMesh<dim>& mesh, const std::
   forest.execute_coarsening_and_refinement();
 }
 
-/// A brick of 3 base cells in the first direction and 2 in the others, of size 0.3 m, refined twice at random.
+/// A brick of 3 trees in the first direction and 2 in the others, each 0.3 m large, of 2^base_level base cells along
+/// each axis that are refined twice at random.
 template <int dim> struct RefinedMesh
 {
-  explicit RefinedMesh(const MPI_Comm communicator = MPI_COMM_WORLD) : mesh(communicator, layout())
+  explicit RefinedMesh(const MPI_Comm communicator = MPI_COMM_WORLD, const unsigned int base_level = 0)
+      : mesh(communicator, layout(base_level))
   {
     for (unsigned int round = 0; round < 2; ++round)
       refine_some_cells(mesh, round);
@@ -69,12 +71,12 @@ template <int dim> struct RefinedMesh
     mesh.update();
   }
 
-  static GridLayout<dim> layout()
+  static GridLayout<dim> layout(const unsigned int base_level = 0)
   {
     std::array<unsigned int, dim> cells;
-    cells.fill(2);
-    cells[0] = 3;
-    return make_brick<dim>(cells, 0.3);
+    cells.fill(2u << base_level);
+    cells[0] = 3u << base_level;
+    return make_brick<dim>(cells, std::ldexp(0.3, -static_cast<int>(base_level)));
   }
 
   BackgroundMesh<dim> mesh;

@@ -38,6 +38,36 @@ TEST(ParticleBoxes, QuadInThePlaneOfXAndZ)
   EXPECT_EQ(grid.connectivity, std::vector<std::int32_t>({0, 1, 2, 3, 4, 5, 6, 7}));
 }
 
+TEST(GatherGrid, JoinsPointsCellsAndArraysInRankOrder)
+{
+  // Rank r has r + 1 lines.
+  const int rank = rank_of(MPI_COMM_WORLD), size = size_of(MPI_COMM_WORLD);
+  UnstructuredGrid mine;
+  mine.shape = CellShape::line;
+  std::vector<float> values;
+  for (int line = 0; line <= rank; ++line)
+  {
+    mine.points.insert(mine.points.end(), {100. * rank + line, 1., 2., 100. * rank + line, 3., 4.});
+    mine.connectivity.insert(mine.connectivity.end(), {2 * line, 2 * line + 1});
+    values.insert(values.end(), {10.f * rank, 1.f * line});
+  }
+  mine.cell_data.push_back({"value", 2, values});
+  const UnstructuredGrid all = gather_grid(mine, MPI_COMM_WORLD);
+  if (rank != 0)
+    return;
+  EXPECT_EQ(all.n_cells(), std::size_t(size * (size + 1) / 2));
+  const auto& joined = std::get<std::vector<float>>(all.cell_data.at(0).values);
+  std::size_t cell = 0;
+  for (int r = 0; r < size; ++r)
+    for (int line = 0; line <= r; ++line, ++cell)
+      for (int end = 0; end < 2; ++end)
+      {
+        EXPECT_EQ(all.points[3 * all.connectivity[2 * cell + end]], 100. * r + line);
+        EXPECT_EQ(all.points[3 * all.connectivity[2 * cell + end] + 1], end == 0 ? 1. : 3.);
+        EXPECT_EQ(joined[2 * cell + end], end == 0 ? 10. * r : line);
+      }
+}
+
 template <typename Dimension> class SceneGrids : public testing::Test
 {
 };

@@ -30,8 +30,8 @@ void add_series(Names& names, const std::string& start)
 {
   const int size = size_of(MPI_COMM_WORLD);
   names.insert(start + (size > 1 ? ".pvtu" : ".vtu"));
-  for (int rank = 0; size > 1 && rank < size; ++rank)
-    names.insert(fmt::format("{}_{}.vtu", start, rank));
+  if (size > 1) // all of them write one piece
+    names.insert(start + "_0.vtu");
 }
 
 template <int dim> void add_body(Scene<dim>& scene)
@@ -102,9 +102,9 @@ TEST(OutputWriter, PiecesHoldAllParticlesAndTheRequestedFields)
   writer.begin_stage(1);
   writer.write_if_due(scene.state(2), 1, true);
 
-  const int size = size_of(MPI_COMM_WORLD), rank = rank_of(MPI_COMM_WORLD);
-  const std::string piece = size > 1 ? fmt::format("vtk/mps_2_00002_{}.vtu", rank) : "vtk/mps_2_00002.vtu";
-  const test::ReadGrid grid = test::read_vtu(folder / piece);
+  MPI_Barrier(MPI_COMM_WORLD);
+  const bool parallel = size_of(MPI_COMM_WORLD) > 1;
+  const test::ReadGrid grid = test::read_vtu(folder / (parallel ? "vtk/mps_2_00002_0.vtu" : "vtk/mps_2_00002.vtu"));
   EXPECT_EQ(grid.time, 10.5);
   EXPECT_EQ(grid.arrays.size(), 4u + 2u);
   EXPECT_EQ(grid.arrays.at("CellData/stress").component_names,
@@ -112,7 +112,7 @@ TEST(OutputWriter, PiecesHoldAllParticlesAndTheRequestedFields)
   double sum = 0.;
   for (const double volume : grid.arrays.at("CellData/initial volume").values)
     sum += volume;
-  EXPECT_EQ(sum_over_ranks(sum, MPI_COMM_WORLD), 10. + 12. + 14. + 16.);
+  EXPECT_EQ(sum, 10. + 12. + 14. + 16.);
 }
 
 TEST(OutputWriter, ParticleTableIsSortedOverRanks)
