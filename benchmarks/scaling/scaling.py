@@ -132,7 +132,10 @@ def draw(tables, picture):
         for axis, (column, label, scale) in zip(axes, panels):
             axis.plot([int(line["ranks"]) for line in lines], [scale * float(line[column]) for line in lines],
                       marker + "-", label=lines[0]["commit"])
-            axis.set(xscale="log", xlabel="ranks", ylabel=label, ylim=(0, None), xticks=RANKS, xticklabels=RANKS)
+            axis.set(xscale="log", xlabel="ranks", ylabel=label, xticks=RANKS, xticklabels=RANKS)
+    for axis in axes:
+        axis.set_ylim(bottom=0)
+        axis.minorticks_off()
     axes[0].legend(title="commit")
     figure.savefig(picture, dpi=120)
 
@@ -159,9 +162,10 @@ def main():
                 lines.append(measure(program, PIECES[ranks], ranks, options.cell, counter, "weak"))
             if "strong" in options.series:
                 lines.append(measure(program, (2, 2), ranks, options.cell, counter, "strong"))
-        if "size" in options.series:  # one rank, elastic soil: what the number of unknowns alone does to the solver
-            for n in (1, 2, 4, 6):
-                lines.append(measure(program, (n, n), 1, 0.8 / 8, counter, "size", "elastic"))
+        if "size" in options.series:  # elastic soil: what the number of unknowns and the ranks do to the solver
+            for ranks in (1, max(options.ranks)):
+                for n in (1, 2, 4, 6):
+                    lines.append(measure(program, (n, n), ranks, options.cell, counter, "size", "elastic"))
     with open(options.output, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
