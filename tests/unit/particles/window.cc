@@ -96,7 +96,8 @@ TYPED_TEST(WaitingParticles, AreNoWork)
   this->particles.balance_load(1000.);
   const double mine = this->particles.ids().size(),
                mean = sum_over_ranks(mine, MPI_COMM_WORLD) / size_of(MPI_COMM_WORLD);
-  EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD), 1.6 * mean); // siblings stay together: two families of four on one of three ranks
+  EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD),
+            1.6 * mean); // siblings stay together: two families of four on one of three ranks
 }
 
 TYPED_TEST(WaitingParticles, AreNoCompanyForAnActiveOne)
