@@ -7,7 +7,6 @@ less one of four, through the profiling interface of MPI (count_messages.c)."""
 import argparse
 import csv
 import json
-import os
 import pathlib
 import subprocess
 import sys
@@ -16,7 +15,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
-from kedge_runs.program import command, default_program  # noqa: E402  (found only after the line above)
+from kedge_runs.program import ENVIRONMENT, command, default_program  # noqa: E402  (found only after the line above)
 
 RANKS = (1, 2, 4, 8, 16)
 PIECES = {1: (1, 1), 2: (2, 1), 4: (2, 2), 8: (4, 2), 16: (4, 4)}  # along x and y
@@ -78,7 +77,7 @@ def run(program, scene, folder, steps, ranks, counter):
         place = words.index(str(program))
         words[place:place] = ["env", f"LD_PRELOAD={counter}", f"COUNT_MESSAGES={folder}"]
     # ranks that share a core leave it to the others while they wait
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
+    environment = {**ENVIRONMENT, "OMPI_MCA_mpi_yield_when_idle": "1"}
     done = subprocess.run(words, capture_output=True, encoding="utf-8", env=environment)
     if done.returncode != 0:
         sys.exit(f"scaling.py: {' '.join(map(str, words))} ended with {done.returncode}:\n{done.stderr}{done.stdout}")

@@ -4,6 +4,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/contact/contact.h>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace kedge
 {
@@ -49,25 +50,33 @@ template <int dim> void Contact<dim>::commit()
 
 template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
 {
-  std::vector<long long> here = ids;
-  std::sort(here.begin(), here.end());
+  std::unordered_set<long long> touched, here;
+  for (const auto& entry : history)
+    touched.insert(entry.first.particle);
+  for (const long long id : ids)
+    if (touched.count(id))
+      here.insert(id);
   std::vector<ContactRecord> leaving;
   for (auto entry = history.begin(); entry != history.end();)
-    if (std::binary_search(here.begin(), here.end(), entry->first.particle))
+    if (here.count(entry->first.particle))
       ++entry;
     else
     {
       leaving.push_back(to_record(entry->first, entry->second));
       entry = history.erase(entry);
     }
-  if (size_of(communicator) > 1 && max_over_ranks(!leaving.empty(), communicator) > 0.)
+  if (size_of(communicator) == 1)
+    return;
+  if (max_over_ranks(!leaving.empty(), communicator) > 0.)
   {
+    const std::unordered_set<long long> known(known_ids.begin(), known_ids.end());
     std::vector<long long> arrived;
-    std::set_difference(here.begin(), here.end(), known_ids.begin(), known_ids.end(), std::back_inserter(arrived));
+    std::copy_if(ids.begin(), ids.end(), std::back_inserter(arrived),
+                 [&](const long long id) { return known.count(id) == 0; });
     for (const ContactRecord& record : deliver(leaving, arrived, communicator))
       enter(record);
   }
-  known_ids = std::move(here);
+  known_ids = ids;
 }
 
 template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)

@@ -14,18 +14,13 @@ std::vector<T> gather_rows_on_root(const std::vector<T>& mine, unsigned int widt
   const int size = size_of(communicator);
   if (size == 1 || width == 0)
     return mine;
-  const int n_mine = static_cast<int>(mine.size() / width);
-  std::vector<int> count(size), begin(size + 1, 0);
+  const int n_mine = message_length(mine.size() / width);
+  std::vector<int> count(size);
   MPI_Gather(&n_mine, 1, MPI_INT, count.data(), 1, MPI_INT, 0, communicator);
-  const bool root = rank_of(communicator) == 0;
-  if (root)
-    std::partial_sum(count.begin(), count.end(), begin.begin() + 1);
-  std::vector<T> all(root ? std::size_t(begin[size]) * width : 0);
-  MPI_Datatype row;
-  MPI_Type_contiguous(static_cast<int>(width * sizeof(T)), MPI_BYTE, &row);
-  MPI_Type_commit(&row);
-  MPI_Gatherv(mine.data(), n_mine, row, all.data(), count.data(), begin.data(), row, 0, communicator);
-  MPI_Type_free(&row);
+  const std::vector<int> begin = begin_of_parts(count); // all zero but on the root
+  std::vector<T> all(std::size_t(begin[size]) * width);
+  const PlainType row(width * sizeof(T));
+  MPI_Gatherv(mine.data(), n_mine, row.get(), all.data(), count.data(), begin.data(), row.get(), 0, communicator);
   return all;
 }
 } // namespace kedge

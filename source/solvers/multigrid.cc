@@ -15,10 +15,10 @@ using Utilities = MueLu::Utilities<double, LocalOrdinal, GlobalOrdinal, TpetraNo
 /// Of the finest level's smoother after the coarse correction. On a plate pulled through sand two take a quarter fewer
 /// iterations than one, each dearer by a seventh.
 constexpr unsigned int sweeps = 2;
-/// Rows from which a hierarchy certainly has two levels below the finest one.
-constexpr std::size_t large_enough_to_gather = 20000;
 /// On all levels, before and after the coarse correction, where those do not do.
 constexpr int strong_sweeps = 4;
+/// Rows from which a hierarchy has two levels below the finest one.
+constexpr std::size_t large_enough_to_gather = 20000;
 
 /// How the coarsest level is solved.
 enum class Coarsest

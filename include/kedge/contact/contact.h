@@ -237,7 +237,7 @@ private:
   std::vector<double> nodal_increment; ///< of the last evaluation, m
   PointForces points;
   std::map<Key, History> history;
-  std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them, ascending
+  std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them
   std::map<Key, History> waiting;   ///< that of particles that the last search did not see: outside the window
   std::vector<Touch> touching;
 };

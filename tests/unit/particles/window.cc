@@ -89,6 +89,7 @@ TYPED_TEST(WaitingParticles, GetTheirOwnDataBackWhenTheyWake)
 TYPED_TEST(WaitingParticles, AreNoWork)
 {
   // The lower half, with which the curve through the cells begins: were all soil work, two ranks would not share it.
+  // Siblings stay together, so one of three ranks has two families of four.
   constexpr int dim = TypeParam::value;
   Window<dim> half{{}, this->mesh.layout().base_cells};
   half.upper[dim - 1] /= 2;
@@ -96,8 +97,7 @@ TYPED_TEST(WaitingParticles, AreNoWork)
   this->particles.balance_load(1000.);
   const double mine = this->particles.ids().size(),
                mean = sum_over_ranks(mine, MPI_COMM_WORLD) / size_of(MPI_COMM_WORLD);
-  EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD),
-            1.6 * mean); // siblings stay together: two families of four on one of three ranks
+  EXPECT_LT(max_over_ranks(mine, MPI_COMM_WORLD), 1.6 * mean);
 }
 
 TYPED_TEST(WaitingParticles, AreNoCompanyForAnActiveOne)
