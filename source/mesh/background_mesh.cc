@@ -150,7 +150,7 @@ private:
     typename LeafTable<dim>::Leaf leaf;
     for (unsigned int d = 0; d < dim; ++d)
       leaf.lower[d] = cell->vertex(0)[d];
-    leaf.size = table.trees.size / double(1u << cell->level());
+    leaf.size = table.partition.trees().size / double(1u << cell->level());
     leaf.node_begin = table.nodes.size();
     leaf.weight_begin = table.weights.size();
     leaf.n_nodes = source.ids.size();
@@ -200,8 +200,9 @@ template <int dim> typename Partition<dim>::Trees trees_of(const GridLayout<dim>
 
 template <int dim>
 Partition<dim> find_partition(const dealii::parallel::distributed::Triangulation<dim>& forest,
-                              const typename Partition<dim>::Trees& trees)
+                              const GridLayout<dim>& grid)
 {
+  const typename Partition<dim>::Trees trees = trees_of<dim>(grid);
   std::vector<std::uint64_t> number_in_forest(forest.n_cells(0));
   std::array<double, dim> corner;
   for (const auto& tree : forest.cell_iterators_on_level(0))
@@ -289,8 +290,7 @@ template <int dim> void BackgroundMesh<dim>::update()
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();
   table.n_owned_nodes = nodes.n_locally_owned_dofs();
-  table.trees = trees_of<dim>(grid);
-  table.partition = find_partition<dim>(forest, table.trees);
+  table.partition = find_partition<dim>(forest, grid);
   std::array<double, dim> corner;
   table.tree.assign(forest.n_cells(0), LeafTable<dim>::unknown);
   leaf_of_cell.assign(forest.n_active_cells(), dealii::numbers::invalid_unsigned_int);
@@ -298,7 +298,7 @@ template <int dim> void BackgroundMesh<dim>::update()
   // The forest's trees are the first entries, x fastest, whatever order the forest has them in.
   LeafTableBuilder<dim> builder(table, leaf_of_cell, leaf_nodes, nodes.locally_owned_dofs());
   for (const auto& cell : forest.cell_iterators_on_level(0))
-    builder.enter(cell, table.trees.find(to_array<dim>(cell->center()), corner));
+    builder.enter(cell, table.partition.trees().find(to_array<dim>(cell->center()), corner));
 }
 
 template class BackgroundMesh<2>;

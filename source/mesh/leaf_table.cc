@@ -30,18 +30,9 @@ template <int dim> int LeafTable<dim>::find_leaf(const std::array<double, dim>& 
   if (!in_grid(x))
     return -1;
   std::array<double, dim> corner;
-  std::int32_t entry = tree[trees.find(x, corner)];
-  for (double half = 0.5 * trees.size; entry >= 0; half *= 0.5)
-  {
-    unsigned int child = 0;
-    for (unsigned int d = 0; d < dim; ++d)
-      if (x[d] >= corner[d] + half)
-      {
-        child |= 1u << d;
-        corner[d] += half;
-      }
-    entry = tree[entry + child];
-  }
+  std::int32_t entry = tree[partition.trees().find(x, corner)];
+  for (double half = 0.5 * partition.trees().size; entry >= 0; half *= 0.5)
+    entry = tree[entry + find_child<dim>(x, half, corner)];
   return entry == unknown ? -1 : -1 - entry;
 }
 
@@ -80,6 +71,7 @@ template <int dim>
 void LeafTable<dim>::find_leaves(const std::array<double, dim>& lower, const std::array<double, dim>& upper,
                                  std::vector<unsigned int>& found) const
 {
+  const typename Partition<dim>::Trees& trees = partition.trees();
   std::array<unsigned int, 3> first{{0, 0, 0}}, last{{0, 0, 0}};
   for (unsigned int d = 0; d < dim; ++d)
   {

@@ -21,7 +21,7 @@ std::size_t Partition<dim>::Trees::find(const std::array<double, dim>& x, std::a
 template <int dim>
 Partition<dim>::Partition(const Trees& trees_, std::vector<std::uint64_t> number_in_forest_, const ForestPlace& first,
                           const MPI_Comm communicator)
-    : trees(trees_),
+    : brick(trees_),
       number_in_forest(std::move(number_in_forest_)),
       begin(gather_everywhere(std::vector<ForestPlace>{first}, communicator))
 {
@@ -32,19 +32,10 @@ Partition<dim>::Partition(const Trees& trees_, std::vector<std::uint64_t> number
 template <int dim> int Partition<dim>::find_owner(const std::array<double, dim>& x) const
 {
   std::array<double, dim> corner;
-  ForestPlace place{number_in_forest[trees.find(x, corner)], 0};
-  double half = 0.5 * trees.size;
+  ForestPlace place{number_in_forest[brick.find(x, corner)], 0};
+  double half = 0.5 * brick.size;
   for (unsigned int level = 0; level < ForestPlace::depth; ++level, half *= 0.5)
-  {
-    std::uint64_t child = 0;
-    for (unsigned int d = 0; d < dim; ++d)
-      if (x[d] >= corner[d] + half)
-      {
-        child |= 1u << d;
-        corner[d] += half;
-      }
-    place.child = place.child << 3 | child;
-  }
+    place.child = place.child << 3 | find_child<dim>(x, half, corner);
   return static_cast<int>(std::upper_bound(begin.begin(), begin.end(), place) - begin.begin()) - 1;
 }
 

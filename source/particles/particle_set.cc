@@ -193,21 +193,21 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
     }
   }
   const long long before = particles.n_global_particles();
-  const std::vector<Stray<dim>> strays = take_out_strays();
+  const std::optional<std::vector<Stray<dim>>> strays = take_out_strays();
   edit().sort_particles_into_subdomains_and_cells();
-  bring_in(strays);
+  if (strays)
+    bring_in(*strays);
   lost += before - static_cast<long long>(particles.n_global_particles());
 }
 
 /// Takes out the particles that have moved into parts of the grid that this rank does not know: the handler looks no
-/// farther than the neighbours of the rank's cells. Returns those that have come to this rank's part; those off the
-/// grid are lost. Collective.
-template <int dim> std::vector<Stray<dim>> ParticleSet<dim>::take_out_strays()
+/// farther than the neighbours of the rank's cells. Returns those that have come to this rank's part, or nothing where
+/// no rank has any; those off the grid are lost. Collective.
+template <int dim> std::optional<std::vector<Stray<dim>>> ParticleSet<dim>::take_out_strays()
 {
   const MPI_Comm communicator = mesh.triangulation().get_communicator();
-  std::vector<Stray<dim>> strays;
   if (size_of(communicator) == 1)
-    return strays;
+    return {};
   std::vector<std::vector<Stray<dim>>> to_owner(size_of(communicator));
   std::vector<typename Handler::particle_iterator> leaving;
   for (const Place& place : mirror.order)
@@ -223,8 +223,9 @@ template <int dim> std::vector<Stray<dim>> ParticleSet<dim>::take_out_strays()
       std::copy_n(place.particle->get_properties().data(), field::count, stray.data.begin());
     }
   if (sum_over_ranks(static_cast<long long>(leaving.size()), communicator) == 0)
-    return strays;
+    return {};
   edit().remove_particles(leaving);
+  std::vector<Stray<dim>> strays;
   for (const auto& part : exchange_between_ranks(to_owner, communicator))
     strays.insert(strays.end(), part.begin(), part.end());
   return strays;
@@ -233,8 +234,6 @@ template <int dim> std::vector<Stray<dim>> ParticleSet<dim>::take_out_strays()
 /// Collective.
 template <int dim> void ParticleSet<dim>::bring_in(const std::vector<Stray<dim>>& strays)
 {
-  if (max_over_ranks(!strays.empty(), mesh.triangulation().get_communicator()) == 0.)
-    return;
   for (const Stray<dim>& stray : strays)
     if (const int number = mesh.leaves().find_leaf(stray.position); number >= 0)
     {

@@ -34,7 +34,6 @@ template <int dim> struct LeafTable
   /// trees, x fastest.
   static constexpr std::int32_t unknown = INT32_MIN;
   std::vector<std::int32_t> tree;
-  typename Partition<dim>::Trees trees;
   Partition<dim> partition;
   std::array<unsigned int, dim> base_cells{};
   double base_size = 0.;

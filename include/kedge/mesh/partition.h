@@ -23,6 +23,21 @@ struct ForestPlace
   }
 };
 
+/// The child of a cell, of half its edge, that holds x; a point on a face belongs to the upper one. Moves the cell's
+/// lower corner to the child's.
+template <int dim>
+unsigned int find_child(const std::array<double, dim>& x, const double half, std::array<double, dim>& corner)
+{
+  unsigned int child = 0;
+  for (unsigned int d = 0; d < dim; ++d)
+    if (x[d] >= corner[d] + half)
+    {
+      child |= 1u << d;
+      corner[d] += half;
+    }
+  return child;
+}
+
 /// The cut of the forest's space-filling curve into the ranks' parts (Burstedde, Wilcox, Ghattas 2011, section 2.2, doi
 /// 10.1137/100791634), as it was when this was made: two numbers per rank.
 template <int dim> class Partition
@@ -45,11 +60,13 @@ public:
             MPI_Comm communicator);
   static ForestPlace end() { return {std::numeric_limits<std::uint64_t>::max(), 0}; }
 
+  const Trees& trees() const { return brick; }
+
   /// The rank whose leaf holds x, with the same rule for faces as LeafTable::find_leaf; x must lie in the grid.
   int find_owner(const std::array<double, dim>& x) const;
 
 private:
-  Trees trees;
+  Trees brick;
   std::vector<std::uint64_t> number_in_forest; ///< by tree, x fastest
   std::vector<ForestPlace> begin;              ///< by rank; one without cells begins where the next one does
 };

@@ -8,6 +8,7 @@
 #include <kedge/particles/fields.h>
 #include <kedge/particles/parameters.h>
 #include <map>
+#include <optional>
 
 namespace kedge
 {
@@ -100,7 +101,7 @@ private:
   /// so that a run that was restarted goes on bit for bit.
   std::vector<Place> sort_active() const;
   std::vector<double> cell_work(double cost) const;
-  std::vector<Stray<dim>> take_out_strays();
+  std::optional<std::vector<Stray<dim>>> take_out_strays();
   void bring_in(const std::vector<Stray<dim>>& strays);
 
   BackgroundMesh<dim>& mesh;

@@ -100,7 +100,8 @@ TEST_P(Paths, ResidualOnlyUpdateGivesTheSameState)
     const StressUpdate with = update_stress(increment, left_cauchy_green(strain), {young, cell_size, state.value},
                                             material, next.value, moduli);
     const StressUpdate without = update(increment, strain, state);
-    ASSERT_LT((with.stress - without.stress).norm(), 1e-15 * young);
+    // round-off of the strain, times the largest modulus: E / (1 - 2 nu)
+    ASSERT_LT((with.stress - without.stress).norm(), 2.5e-15 * young);
     ASSERT_LT((with.elastic_strain - without.elastic_strain).norm(), 1e-15);
     ASSERT_EQ(with.status, without.status);
     for (std::size_t i = 0; i < Laws::max_state; ++i)
