@@ -181,33 +181,69 @@ double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   return 2. * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
+struct Shell
+{
+  std::vector<std::size_t> triangles;
+  Eigen::Vector3d point; ///< one of its corners
+  Eigen::AlignedBox3d box;
+  double volume = 0.;
+};
+
+/// The corners of a triangle seen from x.
+std::array<Eigen::Vector3d, 3> seen_from(const Eigen::Vector3d& x, const TriangleMesh& mesh, const std::size_t triangle)
+{
+  const auto& [i, j, k] = mesh.triangles[triangle];
+  return {mesh.vertices[i] - x, mesh.vertices[j] - x, mesh.vertices[k] - x};
+}
+
+std::vector<Shell> find_shells(const TriangleMesh& mesh)
+{
+  unsigned int n_shells;
+  const std::vector<unsigned int> number = number_shells(mesh, n_shells);
+  std::vector<Shell> shells(n_shells);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+  {
+    Shell& shell = shells[number[t]];
+    if (shell.triangles.empty())
+      shell.point = mesh.vertices[mesh.triangles[t][0]];
+    shell.triangles.push_back(t);
+    for (const unsigned int vertex : mesh.triangles[t])
+      shell.box.extend(mesh.vertices[vertex]);
+    const auto [a, b, c] = seen_from(shell.point, mesh, t);
+    shell.volume += a.dot(b.cross(c)) / 6.;
+  }
+  return shells;
+}
+
+/// How often the surface without this shell winds around a point of it: 1 inside another one. A shell winds around no
+/// point outside its box.
+long winding_around(const Shell& shell, const std::vector<Shell>& shells, const TriangleMesh& mesh)
+{
+  double angle = 0.;
+  for (const Shell& other : shells)
+    if (&other != &shell && other.box.contains(shell.point))
+      for (const std::size_t t : other.triangles)
+      {
+        const auto [a, b, c] = seen_from(shell.point, mesh, t);
+        angle += solid_angle(a, b, c);
+      }
+  return std::lround(angle / (4. * M_PI));
+}
+
 /// A shell must have a positive volume and lie outside all others, or a negative volume (a cavity) and lie inside one.
 void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
 {
-  unsigned int n_shells;
-  const std::vector<unsigned int> shell = number_shells(mesh, n_shells);
-  for (unsigned int s = 0; s < n_shells; ++s)
+  const std::vector<Shell> shells = find_shells(mesh);
+  for (const Shell& shell : shells)
   {
-    const unsigned int first = std::find(shell.begin(), shell.end(), s) - shell.begin();
-    const Eigen::Vector3d x = mesh.vertices[mesh.triangles[first][0]];
-    // Its own volume, and its winding number in the other shells: 1 inside another one.
-    double volume = 0., angle = 0.;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    {
-      const auto& [i, j, k] = mesh.triangles[t];
-      const Eigen::Vector3d a = mesh.vertices[i] - x, b = mesh.vertices[j] - x, c = mesh.vertices[k] - x;
-      if (shell[t] == s)
-        volume += a.dot(b.cross(c)) / 6.;
-      else
-        angle += solid_angle(a, b, c);
-    }
-    const long winding = std::lround(angle / (4. * M_PI));
-    const std::string part = n_shells == 1 ? "" : fmt::format(" in the part that holds {}", at(x));
-    if (volume < 0. && winding != 1)
-      refuse(fmt::format("inverted: the triangles face inwards{} (volume {:.6g} m3, for example at {})", part, volume,
-                         at(x)),
+    const Eigen::Vector3d& x = shell.point;
+    const long winding = winding_around(shell, shells, mesh);
+    const std::string part = shells.size() == 1 ? "" : fmt::format(" in the part that holds {}", at(x));
+    if (shell.volume < 0. && winding != 1)
+      refuse(fmt::format("inverted: the triangles face inwards{} (volume {:.6g} m3, for example at {})", part,
+                         shell.volume, at(x)),
              "reverse the order of the corners of every triangle there");
-    if (volume >= 0. && winding != 0)
+    if (shell.volume >= 0. && winding != 0)
       refuse("the part that holds " + at(x) + " lies inside another part and is not a cavity",
              "remove it, or reverse its triangles if it is a cavity");
   }

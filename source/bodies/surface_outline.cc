@@ -25,10 +25,11 @@ bool holds(const Point& a, const Point& b, const Point& c, const Point& x)
 }
 
 /// Triangulates a simple, counter-clockwise polygon by cutting ears. The list is incomplete if no ear is left before
-/// the end, as in a polygon that crosses itself.
+/// the end, as in a polygon that crosses itself. A corner that turns left never comes to turn right, so only those that
+/// turn right at the start can lie in an ear.
 std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& polygon)
 {
-  std::vector<unsigned int> rest(polygon.size());
+  std::vector<unsigned int> rest(polygon.size()), inward;
   std::iota(rest.begin(), rest.end(), 0u);
   std::vector<std::array<unsigned int, 3>> triangles;
   const auto corners = [&](std::size_t i)
@@ -36,11 +37,14 @@ std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& poly
     const std::size_t n = rest.size();
     return std::array<unsigned int, 3>{rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]};
   };
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if (const auto [a, b, c] = corners(i); !(turn(polygon[a], polygon[b], polygon[c]) > 0.))
+      inward.push_back(b);
   const auto is_ear = [&](const std::array<unsigned int, 3>& ear)
   {
     const Point &a = polygon[ear[0]], &b = polygon[ear[1]], &c = polygon[ear[2]];
     return turn(a, b, c) > 0. &&
-           std::none_of(rest.begin(), rest.end(),
+           std::none_of(inward.begin(), inward.end(),
                         [&](unsigned int v)
                         { return v != ear[0] && v != ear[1] && v != ear[2] && holds(a, b, c, polygon[v]); });
   };
@@ -48,8 +52,10 @@ std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& poly
     if (is_ear(corners(i)))
     {
       triangles.push_back(corners(i));
+      if (const auto gone = std::find(inward.begin(), inward.end(), rest[i]); gone != inward.end())
+        inward.erase(gone);
       rest.erase(rest.begin() + i);
-      i = 0;
+      i = i > 0 ? i - 1 : 0; // the corner before may be an ear now
     }
     else
       ++i;

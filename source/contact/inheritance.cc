@@ -1,5 +1,6 @@
 // What becomes of the history of a particle that splits.
 #include <algorithm>
+#include <cmath>
 #include <kedge/base/world_axes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
@@ -55,9 +56,12 @@ template <int dim> double share_of_corner(const unsigned int parent_corner, cons
   return share;
 }
 
+/// known: what the surface is to the split's centre or another point of it.
 template <int dim>
-std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const Surface& surface, const Pose& pose)
+std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const Surface& surface, const Pose& pose,
+                                                 KnownDistance known)
 {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
   std::array<double, n_places<dim>> gaps;
   for (unsigned int place = 0; place < gaps.size(); ++place)
   {
@@ -65,7 +69,7 @@ std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const 
     std::array<double, dim> x = split.centre;
     for (unsigned int d = 0; d < dim; ++d)
       x[d] += (at[d] - 1.) * split.half_width[d];
-    gaps[place] = surface.closest_point(pose.to_body(to_world<dim>(x))).gap;
+    gaps[place] = surface.closest_point_within(pose.to_body(to_world<dim>(x)), anywhere, known)->gap;
   }
   return gaps;
 }
@@ -78,29 +82,34 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
     const auto first = history.lower_bound({split.parent, 0, 0}), last = history.lower_bound({split.parent + 1, 0, 0});
     const std::map<Key, History> of_parent(first, last);
     history.erase(first, last);
-    double radius = 0.;
+    double radius = 0.; // of the ball that holds all corners
     for (const double half : split.half_width)
-      radius += half;
+      radius = std::hypot(radius, half);
     for (std::uint32_t surface = 0; surface < bodies.surfaces.size(); ++surface)
     {
       const WeldedSurface& welded = bodies.surfaces[surface];
       const Eigen::Vector3d centre = bodies.points[welded.point].pose.to_body(to_world<dim>(split.centre));
       const bool is_known = std::any_of(of_parent.begin(), of_parent.end(),
                                         [&](const auto& entry) { return entry.first.surface == surface; });
-      if (is_known || welded.surface.closest_point_within(centre, radius))
-        inherit(split, surface, of_parent, bodies);
+      // What nobody knows of yet begins where a corner lies inside. A body that holds all of it is to replace it, or
+      // has come over it between two steps: neither is contact that goes on.
+      KnownDistance known;
+      const auto closest = welded.surface.closest_point_within(centre, radius, known);
+      if (is_known || (closest && closest->gap > -radius))
+        inherit(split, surface, of_parent, bodies, known);
     }
   }
 }
 
 template <int dim>
 void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
-                           const std::map<Key, History>& of_parent, const RigidSystems& bodies)
+                           const std::map<Key, History>& of_parent, const RigidSystems& bodies,
+                           const KnownDistance& known)
 {
   constexpr unsigned int n = 1u << dim;
   const WeldedSurface& welded = bodies.surfaces[surface];
   const std::array<double, n_places<dim>> gap =
-      gaps_at_places<dim>(split, welded.surface, bodies.points[welded.point].pose);
+      gaps_at_places<dim>(split, welded.surface, bodies.points[welded.point].pose, known);
   std::array<const History*, n> parent;
   double farthest = -std::numeric_limits<double>::infinity(); // gap of the parent's corners that press
   for (std::uint32_t from = 0; from < n; ++from)
@@ -116,7 +125,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   std::array<std::optional<History>, n_places<dim>> at_place; // all but forces
   for (unsigned int place = 0; place < n_places<dim>; ++place)
   {
-    double known = 0., bonded_share = 0., reference_gap = 0.;
+    double known_share = 0., bonded_share = 0., reference_gap = 0.;
     unsigned int n_contributing = 0;
     for (std::uint32_t from = 0; from < n; ++from)
     {
@@ -124,20 +133,20 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
       if (parent[from] == nullptr || share == 0.)
         continue;
       ++n_contributing;
-      known += share;
+      known_share += share;
       bonded_share += parent[from]->bonded ? share : 0.;
       reference_gap += share * parent[from]->reference_gap;
     }
     // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
     bonded[place] = bonded_share == 1. && n_contributing < n;
     presses[place] = gap[place] <= farthest;
-    presses[place] = presses[place] && known > 0.;
-    if (known == 0. && !(gap[place] < 0.))
+    presses[place] = presses[place] && known_share > 0.;
+    if (known_share == 0. && !(gap[place] < 0.))
       continue;
     History& state = at_place[place].emplace();
     state.bonded = bonded[place];
     if (state.bonded || presses[place])
-      state.reference_gap = reference_gap / known;
+      state.reference_gap = reference_gap / known_share;
     else // pushes no sooner than at the surface, nor at once
       state.reference_gap = std::min(0., gap[place]);
   }

@@ -23,7 +23,7 @@ bool any_rank(const bool mine, const MPI_Comm communicator) { return max_over_ra
 /// Gives ghost leaves the value of their owner.
 template <int dim> void update_ghosts(const BackgroundMesh<dim>& mesh, std::vector<double>& of_leaf)
 {
-  if (size_of(mesh.triangulation().get_communicator()) > 1)
+  if (size_of(mesh.communicator()) > 1)
     dealii::GridTools::exchange_cell_data_to_ghosts<double, dealii::Triangulation<dim>>(
         mesh.triangulation(), [&](const auto& cell) { return of_leaf[mesh.leaf_number(cell)]; },
         [&](const auto& cell, const double value) { of_leaf[mesh.leaf_number(cell)] = value; });
@@ -75,25 +75,36 @@ template <int dim> bool touches_finer_leaf(const LeafTable<dim>& table, const Le
 } // namespace
 
 template <int dim>
-bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted,
-                     const std::vector<unsigned char>& holds_soil)
+bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, const double finest,
+                     const FindSoil& find_soil)
 {
+  const MPI_Comm communicator = mesh.communicator();
   const auto& leaves = mesh.leaves().leaves;
+  std::vector<unsigned char> too_large(leaves.size(), false); // of ghosts too: soil reaches across
+  bool any = false;
+  for (std::size_t i = 0; i < leaves.size(); ++i)
+  {
+    too_large[i] = leaves[i].size > slack * finest && leaves[i].size > slack * wanted(leaves[i].lower, leaves[i].size);
+    any = any || too_large[i];
+  }
+  if (!any_rank(any, communicator))
+    return false;
+  const std::vector<unsigned char> holds_soil = find_soil(too_large);
   bool flagged = false;
   for (std::size_t i = 0; i < leaves.size(); ++i)
-    if (leaves[i].owned && holds_soil[i] && leaves[i].size > slack * wanted(leaves[i].lower, leaves[i].size))
+    if (leaves[i].owned && too_large[i] && holds_soil[i])
     {
       cell_of<dim>(mesh, leaves[i])->set_refine_flag();
       flagged = true;
     }
-  return any_rank(flagged, mesh.triangulation().get_communicator());
+  return any_rank(flagged, communicator);
 }
 
 template <int dim>
 Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, const std::vector<double>& largest)
 {
   constexpr unsigned int n = LeafTable<dim>::n_vertices;
-  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  const MPI_Comm communicator = mesh.communicator();
   const auto& leaves = mesh.leaves().leaves;
   const int base_level = mesh.layout().base_level();
   const auto allows = [&](const std::vector<double>& limit, const std::size_t i)
@@ -138,8 +149,8 @@ Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wan
   return any_rank(split, communicator) ? Coarsening::split_families : Coarsening::none;
 }
 
-template bool flag_refinement<2>(BackgroundMesh<2>&, const WantedSize<2>&, const std::vector<unsigned char>&);
-template bool flag_refinement<3>(BackgroundMesh<3>&, const WantedSize<3>&, const std::vector<unsigned char>&);
+template bool flag_refinement<2>(BackgroundMesh<2>&, const WantedSize<2>&, double, const FindSoil&);
+template bool flag_refinement<3>(BackgroundMesh<3>&, const WantedSize<3>&, double, const FindSoil&);
 template Coarsening flag_coarsening<2>(BackgroundMesh<2>&, const WantedSize<2>&, const std::vector<double>&);
 template Coarsening flag_coarsening<3>(BackgroundMesh<3>&, const WantedSize<3>&, const std::vector<double>&);
 } // namespace kedge

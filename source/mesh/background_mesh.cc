@@ -86,7 +86,8 @@ std::unordered_map<global_dof_index, dealii::Point<dim>> find_vertex_positions(c
 
 /// Nodes of every owned and ghost leaf, by active cell index. The vertices of a ghost leaf may hang on cells that this
 /// rank does not know, so on a mesh with hanging nodes the owners send the nodes of ghosts.
-template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes)
+template <int dim>
+std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHandler<dim>& nodes, const MPI_Comm communicator)
 {
   // Which vertices hang, and on which nodes. The nodes' positions are needed only if some vertex hangs.
   dealii::IndexSet relevant;
@@ -99,7 +100,6 @@ template <int dim> std::vector<LeafNodes> gather_leaf_nodes(const dealii::DoFHan
     positions = find_vertex_positions(nodes);
 
   // All ranks must agree on whether they exchange nodes.
-  const MPI_Comm communicator = nodes.get_triangulation().get_communicator();
   const bool any_hanging = dealii::Utilities::MPI::max(unsigned(constraints.n_constraints() > 0), communicator) > 0;
   const bool ask_owners = any_hanging && dealii::Utilities::MPI::n_mpi_processes(communicator) > 1;
 
@@ -200,7 +200,7 @@ template <int dim> typename Partition<dim>::Trees trees_of(const GridLayout<dim>
 
 template <int dim>
 Partition<dim> find_partition(const dealii::parallel::distributed::Triangulation<dim>& forest,
-                              const GridLayout<dim>& grid)
+                              const GridLayout<dim>& grid, const MPI_Comm communicator)
 {
   const typename Partition<dim>::Trees trees = trees_of<dim>(grid);
   std::vector<std::uint64_t> number_in_forest(forest.n_cells(0));
@@ -211,7 +211,7 @@ Partition<dim> find_partition(const dealii::parallel::distributed::Triangulation
   for (const auto& cell : forest.active_cell_iterators())
     if (cell->is_locally_owned())
       first = std::min(first, place_in_forest(cell->id()));
-  return Partition<dim>(trees, std::move(number_in_forest), first, forest.get_communicator());
+  return Partition<dim>(trees, std::move(number_in_forest), first, communicator);
 }
 
 /// p4est reports every action on standard output unless it is told otherwise, once.
@@ -237,7 +237,8 @@ ForestPlace place_in_forest(const dealii::CellId& id)
 
 template <int dim>
 BackgroundMesh<dim>::BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>& layout)
-    : grid(layout),
+    : ranks(communicator),
+      grid(layout),
       forest(silence_p4est(communicator), dealii::Triangulation<dim>::none,
              dealii::parallel::distributed::Triangulation<dim>::no_automatic_repartitioning),
       nodes(forest)
@@ -280,7 +281,7 @@ template <int dim> void BackgroundMesh<dim>::update()
   ++n_changes;
   nodes.distribute_dofs(dealii::FE_Q<dim>(1));
   dealii::DoFRenumbering::hierarchical(nodes); // the order of the cells depends on the history of the mesh
-  const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes);
+  const std::vector<LeafNodes> leaf_nodes = gather_leaf_nodes(nodes, ranks);
 
   // A new table with an empty tree; only the window stays.
   const Window<dim> window = table.window;
@@ -290,7 +291,7 @@ template <int dim> void BackgroundMesh<dim>::update()
   table.base_size = grid.base_size;
   table.n_global_nodes = nodes.n_dofs();
   table.n_owned_nodes = nodes.n_locally_owned_dofs();
-  table.partition = find_partition<dim>(forest, grid);
+  table.partition = find_partition<dim>(forest, grid, ranks);
   std::array<double, dim> corner;
   table.tree.assign(forest.n_cells(0), LeafTable<dim>::unknown);
   leaf_of_cell.assign(forest.n_active_cells(), dealii::numbers::invalid_unsigned_int);

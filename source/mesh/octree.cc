@@ -11,6 +11,43 @@ namespace
 template <int dim> using Key = std::pair<unsigned int, std::array<std::int64_t, dim>>;
 
 template <int dim> Key<dim> key_of(const LeafPlace<dim>& place) { return {place.level, place.index}; }
+
+/// The leaves of all ranks that lie in this rank's cells. Collective.
+template <int dim>
+std::vector<LeafPlace<dim>> send_to_owners(const std::vector<LeafPlace<dim>>& leaves, const BackgroundMesh<dim>& mesh)
+{
+  const MPI_Comm communicator = mesh.communicator();
+  std::vector<std::vector<LeafPlace<dim>>> to_owner(size_of(communicator));
+  for (const LeafPlace<dim>& place : leaves)
+  {
+    const double size = std::ldexp(mesh.layout().base_size, -static_cast<int>(place.level));
+    std::array<double, dim> centre;
+    for (unsigned int d = 0; d < dim; ++d)
+      centre[d] = (static_cast<double>(place.index[d]) + 0.5) * size;
+    if (const int owner = mesh.leaves().find_owner(centre); owner >= 0)
+      to_owner[owner].push_back(place);
+  }
+  std::vector<LeafPlace<dim>> mine;
+  for (const auto& part : exchange_between_ranks(to_owner, communicator))
+    mine.insert(mine.end(), part.begin(), part.end());
+  return mine;
+}
+
+/// All ancestors of the leaves.
+template <int dim> std::set<Key<dim>> find_divided(const std::vector<LeafPlace<dim>>& leaves)
+{
+  std::set<Key<dim>> divided;
+  for (LeafPlace<dim> place : leaves)
+    while (place.level > 0)
+    {
+      --place.level;
+      for (std::int64_t& i : place.index)
+        i /= 2;
+      if (!divided.insert(key_of(place)).second)
+        break; // its ancestors are known, too
+    }
+  return divided;
+}
 } // namespace
 
 template <int dim>
@@ -42,20 +79,10 @@ LeafPlace<dim> place_of(const typename BackgroundMesh<dim>::Cell& cell, const Ba
 
 template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<LeafPlace<dim>>& leaves)
 {
-  std::set<Key<dim>> divided; // all ancestors of the leaves
-  for (LeafPlace<dim> place : leaves)
-    while (place.level > 0)
-    {
-      --place.level;
-      for (std::int64_t& i : place.index)
-        i /= 2;
-      if (!divided.insert(key_of(place)).second)
-        break; // its ancestors are known, too
-    }
-
   auto& forest = mesh.triangulation();
   for (bool any = true; any;)
   {
+    const std::set<Key<dim>> divided = find_divided(send_to_owners(leaves, mesh));
     bool mine = false;
     for (const auto& cell : forest.active_cell_iterators())
       if (cell->is_locally_owned() && divided.count(key_of(place_of<dim>(cell, mesh))) > 0)
@@ -63,9 +90,12 @@ template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<L
         cell->set_refine_flag();
         mine = true;
       }
-    any = max_over_ranks(mine, forest.get_communicator()) > 0.;
-    if (any)
-      forest.execute_coarsening_and_refinement();
+    any = max_over_ranks(mine, mesh.communicator()) > 0.;
+    if (!any)
+      return;
+    forest.execute_coarsening_and_refinement();
+    forest.repartition();
+    mesh.update();
   }
 }
 
@@ -75,7 +105,7 @@ template <int dim> void repartition_to(BackgroundMesh<dim>& mesh, const std::vec
   // first cell makes up for missing ones.
   const std::int64_t largest = *std::max_element(counts.begin(), counts.end());
   const auto cells = cells_in_forest_order(mesh);
-  const std::int64_t first = sum_over_lower_ranks(cells.size(), mesh.triangulation().get_communicator());
+  const std::int64_t first = sum_over_lower_ranks(cells.size(), mesh.communicator());
   std::vector<double> work(mesh.triangulation().n_active_cells(), 1.);
   std::int64_t begin = 0;
   for (const std::int64_t count : counts)

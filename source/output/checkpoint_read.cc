@@ -4,8 +4,8 @@
 #include <kedge/base/exceptions.h>
 #include <kedge/mesh/octree.h>
 #include <kedge/output/hdf5_file.h>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <unordered_map>
 
 namespace kedge
 {
@@ -105,16 +105,37 @@ void require_same_surfaces(const RigidSystems& bodies, const std::vector<std::in
 }
 
 /// A point of the grid as whole numbers, which do not depend on round-off.
-template <int dim> std::string node_key(const double* position, const double base_size)
+template <int dim> using NodeKey = std::array<std::int64_t, dim>;
+constexpr int key_depth = 30; // levels below the base cells; no tree is so deep
+
+template <int dim> NodeKey<dim> node_key(const double* position, const double base_size)
 {
-  std::array<std::int64_t, dim> key;
+  NodeKey<dim> key;
   for (unsigned int d = 0; d < dim; ++d)
-    key[d] = std::llround(std::ldexp(position[d] / base_size, 30)); // 30 levels: no tree is so deep
-  return {reinterpret_cast<const char*>(key.data()), sizeof(key)};
+    key[d] = std::llround(std::ldexp(position[d] / base_size, key_depth));
+  return key;
 }
 
-template <int dim>
-void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::vector<std::int64_t>& rows)
+/// m
+template <int dim> std::array<double, dim> position_of(const NodeKey<dim>& key, const double base_size)
+{
+  std::array<double, dim> position;
+  for (unsigned int d = 0; d < dim; ++d)
+    position[d] = std::ldexp(static_cast<double>(key[d]), -key_depth) * base_size;
+  return position;
+}
+
+/// This rank's part of a table of which every rank reads as much.
+template <typename T>
+std::vector<T> read_share(const Hdf5Reader& file, const char* const table, const unsigned int width,
+                          const MPI_Comm communicator)
+{
+  const std::size_t n = file.n_rows(table, width), rank = rank_of(communicator), n_ranks = size_of(communicator),
+                    first = n * rank / n_ranks;
+  return file.read_rows<T>(table, width, first, n * (rank + 1) / n_ranks - first);
+}
+
+template <int dim> std::vector<LeafPlace<dim>> leaves_from(const std::vector<std::int64_t>& rows)
 {
   constexpr unsigned int width = leaf_width<dim>;
   std::vector<LeafPlace<dim>> leaves(rows.size() / width);
@@ -123,17 +144,35 @@ void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::ve
     leaves[i].level = rows[width * i];
     std::copy_n(&rows[width * i + 1], dim, leaves[i].index.begin());
   }
-  // Before any repartition, the leaves must be those of the file in the same order.
-  refine_to(soil.mesh, leaves);
+  return leaves;
+}
+
+template <int dim> using Cells = std::vector<typename BackgroundMesh<dim>::Cell>;
+
+/// The rows of this rank's cells, which lie next to each other in the file. The mesh must have the file's leaves.
+template <int dim>
+std::vector<std::int64_t> read_leaves(const Hdf5Reader& file, const Cells<dim>& cells, const MPI_Comm communicator)
+{
+  return file.read_rows<std::int64_t>("leaves", leaf_width<dim>, sum_over_lower_ranks(cells.size(), communicator),
+                                      cells.size());
+}
+
+template <int dim> void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file)
+{
+  constexpr unsigned int width = leaf_width<dim>;
   auto& forest = soil.mesh.triangulation();
-  const MPI_Comm communicator = forest.get_communicator();
-  const auto cells = cells_in_forest_order(soil.mesh);
-  const std::size_t first = sum_over_lower_ranks(cells.size(), communicator);
-  bool fits = forest.n_global_active_cells() == leaves.size();
+  const MPI_Comm communicator = soil.mesh.communicator();
+  refine_to(soil.mesh, leaves_from<dim>(read_share<std::int64_t>(file, "leaves", width, communicator)));
+  const Cells<dim> cells = cells_in_forest_order(soil.mesh);
+  bool fits = forest.n_global_active_cells() == file.n_rows("leaves", width);
+  std::vector<std::int64_t> rows;
+  if (fits) // on all ranks
+    rows = read_leaves<dim>(file, cells, communicator);
+  const std::vector<LeafPlace<dim>> leaves = leaves_from<dim>(rows);
   for (std::size_t i = 0; fits && i < cells.size(); ++i)
   {
     const LeafPlace<dim> place = place_of(cells[i], soil.mesh);
-    fits = place.level == leaves[first + i].level && place.index == leaves[first + i].index;
+    fits = place.level == leaves[i].level && place.index == leaves[i].index;
   }
   if (min_over_ranks(fits, communicator) < 1.)
     throw InputError("restart", "the cells of the restart file do not fit the grid of this input",
@@ -147,7 +186,7 @@ void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::ve
   {
     std::vector<double> work(forest.n_active_cells(), 1.);
     for (std::size_t i = 0; i < cells.size(); ++i)
-      work[cells[i]->active_cell_index()] += particle_cost * rows[width * (first + i + 1) - 1];
+      work[cells[i]->active_cell_index()] += particle_cost * rows[width * (i + 1) - 1];
     soil.mesh.repartition(work);
   }
   soil.mesh.update();
@@ -159,18 +198,17 @@ void read_mesh(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::ve
   soil.mesh.set_window(window);
 }
 
-/// The leaves of this rank lie next to each other in the file, and so do their particles.
-template <int dim>
-void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file, const std::vector<std::int64_t>& leaf_rows)
+/// The particles of this rank lie next to each other in the file, as its leaves do.
+template <int dim> void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
   constexpr unsigned int leaf_step = leaf_width<dim>, step = particle_width<dim>;
-  const auto cells = cells_in_forest_order(soil.mesh);
-  const MPI_Comm communicator = soil.mesh.triangulation().get_communicator();
-  const std::size_t first_leaf = sum_over_lower_ranks(cells.size(), communicator);
-  const auto in_leaf = [&](const std::size_t leaf) { return leaf_rows[leaf_step * (leaf + 1) - 1]; };
+  const MPI_Comm communicator = soil.mesh.communicator();
+  const Cells<dim> cells = cells_in_forest_order(soil.mesh);
+  const std::vector<std::int64_t> leaves = read_leaves<dim>(file, cells, communicator);
+  const auto in_leaf = [&](const std::size_t leaf) { return leaves[leaf_step * (leaf + 1) - 1]; };
   std::size_t count = 0;
   for (std::size_t i = 0; i < cells.size(); ++i)
-    count += in_leaf(first_leaf + i);
+    count += in_leaf(i);
   const std::size_t first = sum_over_lower_ranks(count, communicator);
   const std::vector<std::int64_t> ids = file.read_rows<std::int64_t>("particle numbers", 1, first, count);
   const std::vector<double> data = file.read_rows<double>("particles", step, first, count);
@@ -178,7 +216,7 @@ void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file, const st
   auto& handler = soil.particles.edit();
   std::size_t p = 0;
   for (std::size_t i = 0; i < cells.size(); ++i)
-    for (std::int64_t k = 0; k < in_leaf(first_leaf + i); ++k, ++p)
+    for (std::int64_t k = 0; k < in_leaf(i); ++k, ++p)
     {
       dealii::Point<dim> x;
       std::copy_n(&data[step * p], dim, x.begin_raw());
@@ -190,14 +228,12 @@ void read_particles(const SoilParts<dim>& soil, const Hdf5Reader& file, const st
 
 template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
-  const MPI_Comm communicator = soil.mesh.triangulation().get_communicator();
+  const MPI_Comm communicator = soil.mesh.communicator();
   // Any distribution serves: each record then goes to the rank of its particle.
-  const std::size_t n = file.n_rows("contact keys", contact_key_width), rank = rank_of(communicator),
-                    size = size_of(communicator), first = n * rank / size, count = n * (rank + 1) / size - first;
-  const auto keys = file.read_rows<std::int64_t>("contact keys", contact_key_width, first, count);
-  const auto values = file.read_rows<double>("contact", contact_width, first, count);
+  const auto keys = read_share<std::int64_t>(file, "contact keys", contact_key_width, communicator);
+  const auto values = read_share<double>(file, "contact", contact_width, communicator);
   std::vector<ContactRecord> records;
-  for (std::size_t i = 0; i < count; ++i)
+  for (std::size_t i = 0; i < keys.size() / contact_key_width; ++i)
   {
     const std::int64_t* key = &keys[contact_key_width * i];
     const double* value = &values[contact_width * i];
@@ -235,21 +271,64 @@ void read_bodies(RigidSystems& bodies, const Hdf5Reader& file)
   }
 }
 
+/// Rows and nodes meet on the rank that owns the place: the file tells no rank which rows are those of its nodes.
 template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Reader& file)
 {
-  const std::vector<double> rows = file.read_all<double>("prediction", node_width<dim>);
+  using Vector = std::array<double, dim>;
+  struct Row
+  {
+    NodeKey<dim> key;
+    Vector increment;
+  };
+  struct Question
+  {
+    std::size_t node; ///< of the rank that asks
+    NodeKey<dim> key;
+  };
+  struct Answer
+  {
+    std::size_t node;
+    Vector increment;
+  };
+  const MPI_Comm communicator = soil.mesh.communicator();
   soil.prediction.reset();
-  if (rows.empty())
+  if (file.n_rows("prediction", node_width<dim>) == 0)
     return;
   const LeafTable<dim>& table = soil.mesh.leaves();
-  std::vector<double>& increments = soil.prediction.emplace(dim * table.node_position.size(), 0.);
-  std::unordered_map<std::string, const double*> increment_at;
-  for (std::size_t i = 0; i < rows.size(); i += node_width<dim>)
-    increment_at[node_key<dim>(&rows[i], table.base_size)] = &rows[i + dim];
+  const auto key_of = [&](const double* position) { return node_key<dim>(position, table.base_size); };
+  const auto owner_of = [&](const NodeKey<dim>& key)
+  { return std::max(0, table.find_owner(position_of<dim>(key, table.base_size))); };
+
+  const int n_ranks = size_of(communicator);
+  std::vector<std::vector<Row>> rows(n_ranks);
+  const auto share = read_share<double>(file, "prediction", node_width<dim>, communicator);
+  for (std::size_t i = 0; i < share.size(); i += node_width<dim>)
+  {
+    Row row{key_of(&share[i]), {}};
+    std::copy_n(&share[i + dim], dim, row.increment.begin());
+    rows[owner_of(row.key)].push_back(row);
+  }
+  std::vector<std::vector<Question>> questions(n_ranks);
   for (std::size_t node = 0; node < table.node_position.size(); ++node)
-    if (const auto entry = increment_at.find(node_key<dim>(table.node_position[node].data(), table.base_size));
-        entry != increment_at.end())
-      std::copy_n(entry->second, dim, &increments[dim * node]);
+  {
+    const NodeKey<dim> key = key_of(table.node_position[node].data());
+    questions[owner_of(key)].push_back({node, key});
+  }
+
+  std::map<NodeKey<dim>, Vector> increment_at;
+  for (const auto& part : exchange_between_ranks(rows, communicator))
+    for (const Row& row : part)
+      increment_at.emplace(row.key, row.increment);
+  const auto asked = exchange_between_ranks(questions, communicator);
+  std::vector<std::vector<Answer>> answers(n_ranks);
+  for (int r = 0; r < n_ranks; ++r)
+    for (const Question& question : asked[r])
+      if (const auto entry = increment_at.find(question.key); entry != increment_at.end())
+        answers[r].push_back({question.node, entry->second});
+  std::vector<double>& increments = soil.prediction.emplace(dim * table.node_position.size(), 0.);
+  for (const auto& part : exchange_between_ranks(answers, communicator))
+    for (const Answer& answer : part)
+      std::copy(answer.increment.begin(), answer.increment.end(), increments.begin() + dim * answer.node);
 }
 } // namespace
 
@@ -277,9 +356,8 @@ RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::st
   require_same_surfaces(bodies, file.read_all<std::int64_t>("surfaces", surface_width), path);
 
   const SoilParts<dim> parts = soil.parts();
-  const auto leaves = file.read_all<std::int64_t>("leaves", leaf_width<dim>);
-  read_mesh(parts, file, leaves);
-  read_particles(parts, file, leaves);
+  read_mesh(parts, file);
+  read_particles(parts, file);
   read_contact(parts, file);
   read_prediction(parts, file);
   read_bodies(bodies, file);

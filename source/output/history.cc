@@ -1,10 +1,10 @@
-#include "gather.h"
-
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fmt/format.h>
+#include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
 #include <kedge/output/history.h>
 #include <kedge/output/text_file.h>
 #include <sstream>
@@ -32,6 +32,46 @@ std::string body_columns(const RigidSystems& bodies, const std::vector<BodyField
       add_columns(fmt::format("joint{}_{}", i + 1, name), 3, line);
   return line + ",stage,step\n";
 }
+
+/// Gives each rank the rows of a range of numbers. Collective.
+ParticleTable deal_out_by_number(const ParticleTable& mine, const std::size_t n_columns, const MPI_Comm communicator)
+{
+  const int n_ranks = size_of(communicator);
+  const long long largest = mine.ids.empty() ? 0 : *std::max_element(mine.ids.begin(), mine.ids.end());
+  const auto range = static_cast<long long>(max_over_ranks(double(largest), communicator)) / n_ranks + 1;
+  std::vector<std::vector<long long>> ids(n_ranks);
+  std::vector<std::vector<double>> values(n_ranks);
+  for (std::size_t row = 0; row < mine.ids.size(); ++row)
+  {
+    const auto to = std::min<long long>(mine.ids[row] / range, n_ranks - 1);
+    ids[to].push_back(mine.ids[row]);
+    const double* const first = mine.values.data() + row * n_columns;
+    values[to].insert(values[to].end(), first, first + n_columns);
+  }
+  ParticleTable result;
+  for (const auto& part : exchange_between_ranks(ids, communicator))
+    result.ids.insert(result.ids.end(), part.begin(), part.end());
+  for (const auto& part : exchange_between_ranks(values, communicator))
+    result.values.insert(result.values.end(), part.begin(), part.end());
+  return result;
+}
+
+/// In the order of the particles' numbers.
+std::string rows_of(const ParticleTable& table, const std::size_t n_columns)
+{
+  std::vector<std::size_t> order(table.ids.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.ids[a] < table.ids[b]; });
+  fmt::memory_buffer text;
+  for (const std::size_t row : order)
+    for (std::size_t column = 0; column < n_columns; ++column)
+    {
+      // "{}" gives the fewest digits that read back as the same number
+      fmt::format_to(fmt::appender(text), "{}", table.values[row * n_columns + column]);
+      text.push_back(column + 1 < n_columns ? ',' : '\n');
+    }
+  return fmt::to_string(text);
+}
 } // namespace
 
 ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::vector<ParticleField>& fields)
@@ -52,33 +92,26 @@ ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::ve
   return table;
 }
 
-ParticleTable gather_on_root(const ParticleTable& mine, unsigned int n_columns, MPI_Comm communicator)
-{
-  return {gather_rows_on_root(mine.ids, 1, communicator), gather_rows_on_root(mine.values, n_columns, communicator)};
-}
-
-void write_particle_csv(const ParticleTable& table, const std::vector<ParticleField>& fields, double time,
-                        const std::string& path)
+void write_particle_csv(const ParticleTable& mine, const std::vector<ParticleField>& fields, const double time,
+                        const std::string& path, const MPI_Comm communicator)
 {
   const std::size_t n_columns = count_components(fields);
-  std::vector<std::size_t> order(table.ids.size());
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.ids[a] < table.ids[b]; });
-
+  const std::string rows = rows_of(deal_out_by_number(mine, n_columns, communicator), n_columns);
   std::string columns;
   for (const ParticleField& field : fields)
     add_columns(field.name, field.n_components, columns);
-  fmt::memory_buffer text;
-  const auto end = fmt::appender(text);
-  fmt::format_to(end, "time,{}\n{}\n", time, columns.substr(columns.empty() ? 0 : 1));
-  for (const std::size_t row : order)
-    for (std::size_t column = 0; column < n_columns; ++column)
-    {
-      // "{}" gives the fewest digits that read back as the same number
-      fmt::format_to(end, "{}", table.values[row * n_columns + column]);
-      text.push_back(column + 1 < n_columns ? ',' : '\n');
-    }
-  write_text_file(path, fmt::to_string(text));
+  for (int turn = 0; turn < size_of(communicator); ++turn)
+    agree(communicator,
+          [&]
+          {
+            if (rank_of(communicator) != turn)
+              return;
+            if (turn == 0)
+              write_text_file(path,
+                              fmt::format("time,{}\n{}\n{}", time, columns.substr(columns.empty() ? 0 : 1), rows));
+            else if (!rows.empty())
+              append_text(path, rows);
+          });
 }
 
 BodyHistory::BodyHistory(std::string path_, std::vector<BodyField> fields_)

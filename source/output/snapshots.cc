@@ -1,7 +1,6 @@
-#include "gather.h"
-
 #include <filesystem>
 #include <fmt/format.h>
+#include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
 #include <kedge/output/earlier_files.h>
@@ -19,19 +18,6 @@ void create_folder(const std::string& folder)
   std::filesystem::create_directories(folder, error);
   if (error)
     throw FileError(folder, "cannot be created: " + error.message());
-}
-
-template <typename Touch>
-std::vector<ContactForce> gather_contact(const std::vector<Touch>& touches, MPI_Comm communicator)
-{
-  std::vector<ContactForce> mine(touches.size());
-  for (std::size_t i = 0; i < touches.size(); ++i)
-  {
-    std::copy_n(touches[i].position.data(), 3, mine[i].position);
-    std::copy_n(touches[i].force.data(), 3, mine[i].force);
-    mine[i].surface = touches[i].surface;
-  }
-  return gather_rows_on_root(mine, 1, communicator);
 }
 
 std::string file_name(const std::string& series, unsigned int step, const std::string& ending)
@@ -110,24 +96,13 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
   const Layers layers = particles_by_layer(state.particles, n_layers);
 
   if (vtk)
-  {
-    const std::vector<ContactForce> contact = gather_contact(state.touches, communicator);
-    write_snapshot(state, layers, contact);
-  }
+    write_snapshot(state, layers);
   if (csv && !parameters.csv.particle_fields.empty())
     for (unsigned int layer = 0; layer < n_layers; ++layer)
     {
-      // One layer at a time, because rank 0 gathers all of its particles.
       const std::vector<ParticleField>& fields = csv_particle_fields[layer];
-      const ParticleTable table =
-          gather_on_root(tabulate(layers[layer], fields), count_components(fields), communicator);
       const std::string name = file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
-      agree(communicator,
-            [&]
-            {
-              if (rank_of(communicator) == 0)
-                write_particle_csv(table, fields, state.time, csv_folder + "/" + name);
-            });
+      write_particle_csv(tabulate(layers[layer], fields), fields, state.time, csv_folder + "/" + name, communicator);
     }
   const bool any_column =
       !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty() || !state.bodies.joints.empty();
@@ -140,14 +115,16 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
           });
 }
 
-template <int dim>
-void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers& layers,
-                                       const std::vector<ContactForce>& contact)
+template <int dim> void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers& layers)
 {
   for (unsigned int layer = 0; layer < n_layers; ++layer)
     write_piece(fmt::format("mps_{}", layer + 1), particle_boxes<dim>(layers[layer], vtk_particle_fields[layer]),
                 state);
   write_piece("mesh", soil_cells(state.mesh, state.particles), state);
+  std::vector<ContactForce> contact;
+  for (const auto& touch : state.touches)
+    contact.push_back({touch.position, touch.force, touch.surface});
+  const UnstructuredGrid surfaces = body_surfaces<dim>(state.bodies, contact, communicator);
   agree(communicator,
         [&]
         {
@@ -156,7 +133,7 @@ void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers&
           if (!state.bodies.empty())
             write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
           if (!state.bodies.surfaces.empty())
-            write_on_root("surface", body_surfaces<dim>(state.bodies, contact), state);
+            write_on_root("surface", surfaces, state);
           if (!state.bodies.tracked.empty())
             write_on_root("tracked", tracked_nodes(state.bodies), state);
         });

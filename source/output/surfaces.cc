@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <kedge/base/communication.h>
 #include <kedge/output/grids.h>
 #include <map>
 
@@ -75,8 +76,7 @@ std::vector<double> contact_pressure(const Faces& faces, const Surface& surface,
   {
     if (at.surface != number)
       continue;
-    const Eigen::Vector3d x(at.position[0], at.position[1], at.position[2]);
-    const int face = faces.of_triangle[surface.closest_point(pose.to_body(x)).triangle];
+    const int face = faces.of_triangle[surface.closest_point(pose.to_body(at.position)).triangle];
     if (face < 0)
       continue;
     for (unsigned int d = 0; d < 3; ++d)
@@ -84,9 +84,18 @@ std::vector<double> contact_pressure(const Faces& faces, const Surface& surface,
   }
   return pressure;
 }
+
+void add_up_on_root(std::vector<double>& values, const MPI_Comm communicator)
+{
+  const bool on_root = rank_of(communicator) == 0;
+  MPI_Reduce(on_root ? MPI_IN_PLACE : values.data(), values.data(), message_length(values.size()), MPI_DOUBLE, MPI_SUM,
+             0, communicator);
+}
 } // namespace
 
-template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact)
+template <int dim>
+UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact,
+                               const MPI_Comm communicator)
 {
   UnstructuredGrid grid;
   grid.shape = dim == 3 ? CellShape::triangle : CellShape::line;
@@ -108,7 +117,9 @@ template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, co
         velocity.push_back(static_cast<float>(component));
     }
     body.insert(body.end(), faces.area.size(), static_cast<std::int32_t>(welded.point + 1));
-    for (const double component : contact_pressure(faces, welded.surface, point.pose, s, contact))
+    std::vector<double> pressure = contact_pressure(faces, welded.surface, point.pose, s, contact);
+    add_up_on_root(pressure, communicator);
+    for (const double component : pressure)
       force.push_back(static_cast<float>(component));
   }
   grid.point_data.push_back({"velocity", 3, std::move(velocity), component_names(3)});
@@ -117,6 +128,6 @@ template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, co
   return grid;
 }
 
-template UnstructuredGrid body_surfaces<2>(const RigidSystems&, const std::vector<ContactForce>&);
-template UnstructuredGrid body_surfaces<3>(const RigidSystems&, const std::vector<ContactForce>&);
+template UnstructuredGrid body_surfaces<2>(const RigidSystems&, const std::vector<ContactForce>&, MPI_Comm);
+template UnstructuredGrid body_surfaces<3>(const RigidSystems&, const std::vector<ContactForce>&, MPI_Comm);
 } // namespace kedge

@@ -10,10 +10,12 @@ namespace kedge
 {
 std::string last_system_message() { return std::generic_category().message(errno); }
 
-void write_text_file(const std::string& path, const std::string& text)
+namespace
+{
+void write_in_mode(const std::string& path, const std::string& text, const char* const mode)
 {
   // C streams set errno on failure; C++ streams need not.
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  std::FILE* file = std::fopen(path.c_str(), mode);
   if (!file)
     throw FileError(path, "cannot be opened for writing: " + last_system_message());
   const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
@@ -22,6 +24,11 @@ void write_text_file(const std::string& path, const std::string& text)
   if (std::fclose(file) != 0 || !written)
     throw FileError(path, "could not be written in full: " + (written ? last_system_message() : problem));
 }
+} // namespace
+
+void write_text_file(const std::string& path, const std::string& text) { write_in_mode(path, text, "wb"); }
+
+void append_text(const std::string& path, const std::string& text) { write_in_mode(path, text, "ab"); }
 
 void replace_text_file(const std::string& path, const std::string& text)
 {

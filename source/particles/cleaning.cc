@@ -38,6 +38,69 @@ template <int dim> bool is_distorted(const typename ParticleSet<dim>::Accessor& 
   return !is_sound(ratio) || !is_sound(std::exp(strain[0] + strain[1] + strain[2]));
 }
 
+template <int dim> bool is_active(const BackgroundMesh<dim>& mesh, const typename ParticleSet<dim>::Accessor& particle)
+{
+  return mesh.in_window(particle.get_surrounding_cell());
+}
+
+/// For each axis the leaf and those across its two faces.
+template <int dim>
+std::vector<unsigned int> leaf_and_face_neighbours(const LeafTable<dim>& table, const unsigned int number)
+{
+  const auto& leaf = table.leaves[number];
+  std::vector<unsigned int> found;
+  for (unsigned int axis = 0; axis < dim; ++axis)
+  {
+    std::array<double, dim> lower, upper;
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      const double out = (d == axis ? 0.25 : -0.25) * leaf.size; // 2:1: a neighbour is at least half as large
+      lower[d] = leaf.lower[d] - out;
+      upper[d] = leaf.lower[d] + leaf.size + out;
+    }
+    table.find_leaves(lower, upper, found);
+  }
+  return found;
+}
+
+/// Gives ghost leaves the number of their owner.
+template <int dim> void send_to_ghosts(const BackgroundMesh<dim>& mesh, std::vector<long long>& of_leaf)
+{
+  if (size_of(mesh.communicator()) > 1)
+    dealii::GridTools::exchange_cell_data_to_ghosts<long long, dealii::Triangulation<dim>>(
+        mesh.triangulation(), [&](const auto& cell) { return of_leaf[mesh.leaf_number(cell)]; },
+        [&](const auto& cell, const long long number) { of_leaf[mesh.leaf_number(cell)] = number; });
+}
+
+/// Numbers of centres in each owned and ghost leaf. Where there are others, so are their domains: only particles alone
+/// may be isolated.
+template <int dim> class Centres
+{
+public:
+  Centres(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh_)
+      : mesh(mesh_), count(mesh.leaves().leaves.size(), 0)
+  {
+    for (const auto& particle : particles.handler())
+      if (is_active(mesh, particle))
+        ++count[mesh.leaf_number(particle.get_surrounding_cell())];
+    send_to_ghosts(mesh, count);
+  }
+
+  bool is_alone(const typename ParticleSet<dim>::Accessor& particle) const
+  {
+    const unsigned int own = mesh.leaf_number(particle.get_surrounding_cell());
+    if (count[own] != 1) // 0: it is not active
+      return false;
+    const std::vector<unsigned int> around = leaf_and_face_neighbours(mesh.leaves(), own);
+    return std::all_of(around.begin(), around.end(),
+                       [&](const unsigned int leaf) { return leaf == own || count[leaf] == 0; });
+  }
+
+private:
+  const BackgroundMesh<dim>& mesh;
+  std::vector<long long> count;
+};
+
 /// Numbers of domains that reach into each owned and ghost leaf.
 template <int dim> class Crowding
 {
@@ -48,30 +111,24 @@ public:
       : mesh(mesh_), table(mesh.leaves()), count(table.leaves.size(), 0)
   {
     for (const auto& particle : particles.handler())
-      if (is_active(particle))
+      if (is_active(mesh, particle))
         for (const unsigned int leaf : leaves_of(particle))
           ++count[leaf];
     send_to_owners();
-    send_to_ghosts();
+    send_to_ghosts(mesh, count);
   }
 
+  /// Of an active particle.
   bool is_isolated(const typename ParticleSet<dim>::Accessor& particle) const
   {
-    if (!is_active(particle))
-      return false;
     const std::vector<unsigned int> own = leaves_of(particle);
-    for (const unsigned int leaf : leaf_and_face_neighbours(mesh.leaf_number(particle.get_surrounding_cell())))
+    for (const unsigned int leaf : leaf_and_face_neighbours(table, mesh.leaf_number(particle.get_surrounding_cell())))
       if (count[leaf] > std::count(own.begin(), own.end(), leaf))
         return false;
     return true;
   }
 
 private:
-  bool is_active(const typename ParticleSet<dim>::Accessor& particle) const
-  {
-    return mesh.in_window(particle.get_surrounding_cell());
-  }
-
   std::vector<unsigned int> leaves_of(const typename ParticleSet<dim>::Accessor& particle) const
   {
     Position x, half, lower, upper;
@@ -91,27 +148,9 @@ private:
     return found;
   }
 
-  std::vector<unsigned int> leaf_and_face_neighbours(const unsigned int number) const
-  {
-    const auto& leaf = table.leaves[number];
-    std::vector<unsigned int> found;
-    for (unsigned int axis = 0; axis < dim; ++axis)
-    {
-      Position lower, upper;
-      for (unsigned int d = 0; d < dim; ++d)
-      {
-        const double out = (d == axis ? 0.25 : -0.25) * leaf.size; // 2:1: a neighbour is at least half as large
-        lower[d] = leaf.lower[d] - out;
-        upper[d] = leaf.lower[d] + leaf.size + out;
-      }
-      table.find_leaves(lower, upper, found);
-    }
-    return found;
-  }
-
   void send_to_owners()
   {
-    const MPI_Comm communicator = mesh.triangulation().get_communicator();
+    const MPI_Comm communicator = mesh.communicator();
     struct Parcel
     {
       Position centre; ///< of the leaf, m
@@ -133,13 +172,6 @@ private:
         count[table.find_leaf(parcel.centre)] += parcel.count;
   }
 
-  void send_to_ghosts()
-  {
-    dealii::GridTools::exchange_cell_data_to_ghosts<long long, dealii::Triangulation<dim>>(
-        mesh.triangulation(), [this](const auto& cell) { return count[mesh.leaf_number(cell)]; },
-        [this](const auto& cell, const long long total) { count[mesh.leaf_number(cell)] = total; });
-  }
-
   const BackgroundMesh<dim>& mesh;
   const LeafTable<dim>& table;
   std::vector<long long> count;
@@ -151,8 +183,15 @@ HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const B
 {
   HopelessParticles removed;
   removed.distorted = particles.remove_if(is_distorted<dim>);
+  const Centres<dim> centres(particles, mesh);
+  long long alone = 0;
+  for (const auto& particle : particles.handler())
+    alone += centres.is_alone(particle);
+  if (sum_over_ranks(alone, mesh.communicator()) == 0)
+    return removed;
   const Crowding<dim> crowding(particles, mesh);
-  removed.isolated = particles.remove_if([&](const auto& particle) { return crowding.is_isolated(particle); });
+  removed.isolated = particles.remove_if([&](const auto& particle)
+                                         { return centres.is_alone(particle) && crowding.is_isolated(particle); });
   return removed;
 }
 

@@ -282,7 +282,7 @@ MergeResult merge_particles(ParticleSet<dim>& particles, const BackgroundMesh<di
       result.elastic_energy_merged += before;
     }
   }
-  const MPI_Comm communicator = mesh.triangulation().get_communicator();
+  const MPI_Comm communicator = mesh.communicator();
   result.removed = sum_over_ranks(static_cast<long long>(doomed.size()), communicator);
   result.elastic_energy_lost = sum_over_ranks(result.elastic_energy_lost, communicator);
   result.elastic_energy_merged = sum_over_ranks(result.elastic_energy_merged, communicator);

@@ -114,7 +114,7 @@ public:
   Splitting(ParticleSet<dim>& particles_, const BackgroundMesh<dim>& mesh_, const unsigned int points_per_axis)
       : particles(particles_.edit()),
         mesh(mesh_),
-        communicator(mesh.triangulation().get_communicator()),
+        communicator(mesh.communicator()),
         limit(widest(points_per_axis)),
         next_number(particles.get_next_free_particle_index())
   {
@@ -252,7 +252,7 @@ bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& 
     for (const auto& particle : particles.handler().particles_in_cell(cell))
       found = found || axes_wider_than<dim>(particle.get_properties().data(), limit) != 0;
   }
-  return sum_over_ranks(static_cast<long long>(found), mesh.triangulation().get_communicator()) > 0;
+  return sum_over_ranks(static_cast<long long>(found), mesh.communicator()) > 0;
 }
 
 template <int dim>

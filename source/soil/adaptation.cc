@@ -23,6 +23,21 @@ template <int dim> bool reaches_into(const RefinedBox& box, const std::array<dou
       return false;
   return true;
 }
+
+/// Appends the leaf and all that touch it, if only at a corner.
+template <int dim>
+void find_touching(const LeafTable<dim>& table, const typename LeafTable<dim>::Leaf& leaf,
+                   std::vector<unsigned int>& found)
+{
+  constexpr double across = 1e-3; // of the leaf's edge; a neighbour is not so small
+  std::array<double, dim> lower, upper;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    lower[d] = leaf.lower[d] - across * leaf.size;
+    upper[d] = leaf.lower[d] + (1. + across) * leaf.size;
+  }
+  table.find_leaves(lower, upper, found);
+}
 } // namespace
 
 template <int dim>
@@ -56,15 +71,19 @@ CellAdaptation<dim>::CellAdaptation(BackgroundMesh<dim>& mesh_, ParticleSet<dim>
       bodies(bodies_),
       adaptivity(adaptivity_),
       points_per_axis(points_per_axis_),
+      finest(mesh.layout().base_size),
       refines(adaptivity.type == AdaptivityType::rigid_body_surface)
 {
+  for (const double size : finer_sizes(adaptivity))
+    finest = std::min(finest, size);
 }
 
 template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next()
 {
   const WantedSize<dim> wanted = [this](const std::array<double, dim>& lower, const double size)
   { return wanted_size<dim>(bodies, adaptivity, mesh.layout().base_size, lower, size); };
-  refines = refines && flag_refinement<dim>(mesh, wanted, find_soil()) && change_cells();
+  const auto find = [this](const std::vector<unsigned char>& asked) { return find_soil(asked); };
+  refines = refines && flag_refinement<dim>(mesh, wanted, finest, find) && change_cells();
   if (refines)
     return Pass::cells;
   switch (flag_coarsening<dim>(mesh, wanted, find_largest_sizes()))
@@ -92,13 +111,28 @@ template <int dim> bool CellAdaptation<dim>::change_cells()
   return mesh.triangulation().n_global_active_cells() != before;
 }
 
-/// By leaf: whether any rank's particles reach into it.
-template <int dim> std::vector<unsigned char> CellAdaptation<dim>::find_soil() const
+/// By leaf: whether any rank's particles reach into it. They reach no farther than through the neighbours of their own.
+template <int dim>
+std::vector<unsigned char> CellAdaptation<dim>::find_soil(const std::vector<unsigned char>& asked) const
 {
-  const std::vector<double> nothing(particles.positions().size(), 0.); // the volume is all that counts here
-  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-      mesh.leaves(), {particles.positions(), particles.half_widths(), nothing, nothing, nothing}, 0.,
-      mesh.triangulation().get_communicator());
+  const LeafTable<dim>& table = mesh.leaves();
+  std::vector<unsigned int> around;
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    if (asked[i])
+      find_touching<dim>(table, table.leaves[i], around);
+  std::vector<unsigned char> may_reach(asked.size(), false);
+  for (const unsigned int leaf : around)
+    may_reach[leaf] = true;
+  std::vector<std::array<double, dim>> centres, half_widths;
+  for (std::size_t p = 0; p < particles.positions().size(); ++p)
+    if (may_reach[particles.leaves()[p]])
+    {
+      centres.push_back(particles.positions()[p]);
+      half_widths.push_back(particles.half_widths()[p]);
+    }
+  const std::vector<double> nothing(centres.size(), 0.); // the volume is all that counts here
+  const std::vector<LeafContent> contents =
+      find_leaf_contents<dim>(table, {centres, half_widths, nothing, nothing, nothing}, 0., mesh.communicator());
   std::vector<unsigned char> holds_soil(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
     holds_soil[leaf] = is_populated(contents[leaf]);

@@ -23,17 +23,17 @@ Vector<dim> interpolate(const std::vector<double>& prediction, const LeafTable<d
   return increment;
 }
 
-/// A place that a rank has not known before, and what the rank that has says of it.
+/// A place that another rank has had before, and what that says of it.
 template <int dim> struct Answer
 {
   std::size_t node; ///< of the rank that asks
   Vector<dim> increment;
 };
 
-/// Asks the former owners for the increments at nodes in leaves that this rank did not know.
+/// Asks the former owners for the increments at nodes in leaves that were not this rank's.
 template <int dim>
 void ask_others(const std::vector<double>& prediction, const LeafTable<dim>& from, const LeafTable<dim>& to,
-                const std::vector<std::size_t>& unknown, const MPI_Comm communicator, std::vector<double>& result)
+                const std::vector<std::size_t>& nodes, const MPI_Comm communicator, std::vector<double>& result)
 {
   struct Question
   {
@@ -42,7 +42,7 @@ void ask_others(const std::vector<double>& prediction, const LeafTable<dim>& fro
   };
   const int n_ranks = size_of(communicator);
   std::vector<std::vector<Question>> questions(n_ranks);
-  for (const std::size_t node : unknown)
+  for (const std::size_t node : nodes)
     if (const int owner = from.find_owner(to.node_position[node]); owner >= 0)
       questions[owner].push_back({node, to.node_position[node]});
   const std::vector<std::vector<Question>> asked = exchange_between_ranks(questions, communicator);
@@ -64,17 +64,18 @@ Prediction transfer_prediction(const Prediction& prediction, const LeafTable<dim
   if (!prediction)
     return {};
   std::vector<double> result(dim * to.node_position.size(), 0.);
-  std::vector<std::size_t> unknown;
+  std::vector<std::size_t> of_others;
+  // A rank has the values of its own leaves' nodes alone: those of a ghost leaf may lie too far away for it.
   for (std::size_t node = 0; node < to.node_position.size(); ++node)
-    if (const int leaf = from.find_leaf(to.node_position[node]); leaf >= 0)
+    if (const int leaf = from.find_leaf(to.node_position[node]); leaf >= 0 && from.leaves[leaf].owned)
     {
       const Vector<dim> increment = interpolate<dim>(*prediction, from, leaf, to.node_position[node]);
       std::copy(increment.begin(), increment.end(), result.begin() + dim * node);
     }
     else
-      unknown.push_back(node);
-  if (max_over_ranks(!unknown.empty(), communicator) > 0.)
-    ask_others<dim>(*prediction, from, to, unknown, communicator, result);
+      of_others.push_back(node);
+  if (size_of(communicator) > 1)
+    ask_others<dim>(*prediction, from, to, of_others, communicator, result);
   return result;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/particles/expressions.h>
@@ -65,14 +66,17 @@ template <int dim> bool is_squeezed(const std::vector<ClosestPoint>& around, con
 template <int dim>
 bool has_no_room(const RigidSystems& bodies, const dealii::Point<dim>& centre, const double* half_width)
 {
-  double radius = 0.;
+  double radius = 0., to_corner = 0.;
   for (unsigned int d = 0; d < dim; ++d)
+  {
     radius += half_width[d];
+    to_corner = std::hypot(to_corner, half_width[d]);
+  }
   const std::vector<ClosestPoint> around = surfaces_around<dim>(bodies, centre, 2. * radius);
-  if (around.empty())
-    return false;
   if (is_squeezed<dim>(around, half_width))
     return true;
+  if (std::none_of(around.begin(), around.end(), [&](const ClosestPoint& at) { return at.gap < to_corner; }))
+    return false; // no part of the box is inside
   const unsigned int n = dim == 3 ? samples * samples * samples : samples * samples;
   unsigned int inside = 0;
   for (unsigned int sample = 0; sample < n; ++sample)
@@ -206,7 +210,7 @@ template <int dim> void Soil<dim>::merge()
 /// Spreads cells and particles anew over the ranks if the busiest one has much more than the mean work.
 template <int dim> bool Soil<dim>::balance_where_it_pays()
 {
-  if (points.imbalance(particle_cost) <= worst_imbalance)
+  if (size_of(communicator()) == 1 || points.imbalance(particle_cost) <= worst_imbalance)
     return false;
   points.balance_load(particle_cost);
   return true;

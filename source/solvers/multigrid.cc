@@ -1,4 +1,5 @@
 #include <MueLu_CreateTpetraPreconditioner.hpp>
+#include <cmath>
 #include <kedge/base/failure.h>
 #include <kedge/solvers/block_gauss_seidel.h>
 #include <kedge/solvers/multigrid.h>
@@ -73,6 +74,20 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   smoother.set("relaxation: sweeps", strong ? strong_sweeps : 1);
   return list;
 }
+
+/// Changes the entries by less than the preconditioner notices, so that none is zero and no sum of them cancels.
+/// Trilinos 13 leaves zeros of A out of the pattern of A P, on every level; where they have a value when the hierarchy
+/// is renewed, it finds no place for the product and throws, maybe on one rank alone.
+void make_generic(TpetraMatrix& matrix)
+{
+  constexpr double tiny = 1e-200, noise = 1e-10, golden = 0.6180339887498949;
+  const auto values = matrix.getLocalMatrixDevice().values;
+  Kokkos::parallel_for(
+      "make generic", Kokkos::RangePolicy<ExecutionSpace>(0, values.extent(0)), KOKKOS_LAMBDA(const std::size_t k) {
+        const double share = std::fmod(golden * static_cast<double>(k), 1.); // in [0, 1), no two the same
+        values(k) = values(k) == 0. ? tiny * (1. + share) : values(k) * (1. + noise * share);
+      });
+}
 } // namespace
 
 struct Multigrid::Implementation
@@ -110,6 +125,7 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
   made->block_size = block_size;
   made->sweeps_before = strong ? strong_sweeps : 0;
   made->sweeps_after = strong ? strong_sweeps : sweeps;
+  make_generic(*matrix);
   const Teuchos::RCP<TpetraOperator> as_operator = matrix;
   const bool parallel = matrix->getComm()->getSize() > 1;
   const auto make = [&](const Coarsest coarsest)

@@ -220,7 +220,7 @@ private:
   static void settle(Pair& pair, const RigidSystems& bodies);
   /// The history of a parent's corners against one surface goes to its children.
   void inherit(const Split<dim>& split, std::uint32_t surface, const std::map<Key, History>& of_parent,
-               const RigidSystems& bodies);
+               const RigidSystems& bodies, const KnownDistance& known);
   Eigen::Vector3d corner_displacement(unsigned int point) const;
   /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
   static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,

@@ -66,6 +66,11 @@ KEDGE_FUNCTION SlipLimit slip_limit(const ContactStiffness& stiffness, const dou
   return {0., 0.}; // no other limit exists
 }
 
+/// Share of the slip limit within which a point counts as sticking in the tangent; its force is continuous. A point
+/// that has slid lies on the limit when the next step begins: without this round-off, and so the number of ranks, would
+/// choose its side and with it Newton's path.
+constexpr double on_the_limit = 1e-6;
+
 /// Return mapping on the tangential force (Wriggers 2006, Computational Contact Mechanics, ch. 5; Bird et al. 2025,
 /// arXiv:2412.01565). `previous` is the tangential force at the start of the step, already turned with the body, or its
 /// multiplier; `multiplier` (N) is that of the normal force: the pressure of a corner that just touches. The normal
@@ -97,16 +102,13 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
   const Eigen::Matrix3d trial_change =
       -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
   const double size = std::sqrt(trial.dot(trial));
-  if (size <= limit.force)
-  {
-    response.tangential = trial;
+  response.tangential = size > limit.force ? Eigen::Vector3d(trial * (limit.force / size)) : trial;
+  if (size <= (1. + on_the_limit) * limit.force)
     response.tangent += trial_change;
-  }
   else
   {
     response.sliding = true;
     const Eigen::Vector3d direction = trial * (1. / size);
-    response.tangential = limit.force * direction;
     response.tangent -= limit.slope * stiffness.normal * direction * n.transpose();
     response.tangent += (limit.force / size) * (trial_change - direction * (direction.transpose() * trial_change));
   }

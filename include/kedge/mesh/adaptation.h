@@ -10,11 +10,15 @@ namespace kedge
 /// have a larger limit than the one inside.
 template <int dim> using WantedSize = std::function<double(const std::array<double, dim>& lower, double size)>;
 
-/// Flags the owned cells that hold soil (`holds_soil[leaf]`) and exceed the wanted size by more than 1 percent. Returns
-/// whether any rank flagged one. Collective.
+/// Tells of all leaves that are asked for (`asked[leaf]`) whether they hold soil; what it tells of others has no
+/// meaning. Collective.
+using FindSoil = std::function<std::vector<unsigned char>(const std::vector<unsigned char>& asked)>;
+
+/// Flags the owned cells that hold soil and exceed the wanted size by more than 1 percent. `finest`: the smallest size
+/// that is wanted anywhere (m). Returns whether any rank flagged one. Collective.
 template <int dim>
-bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted,
-                     const std::vector<unsigned char>& holds_soil);
+bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, double finest,
+                     const FindSoil& find_soil);
 
 enum class Coarsening
 {

@@ -27,6 +27,7 @@ public:
 
   BackgroundMesh(MPI_Comm communicator, const GridLayout<dim>& layout);
 
+  MPI_Comm communicator() const { return ranks; }
   const GridLayout<dim>& layout() const { return grid; }
   dealii::parallel::distributed::Triangulation<dim>& triangulation() { return forest; }
   const dealii::parallel::distributed::Triangulation<dim>& triangulation() const { return forest; }
@@ -53,6 +54,7 @@ public:
   unsigned int leaf_number(const Cell& cell) const { return leaf_of_cell[cell->active_cell_index()]; }
 
 private:
+  MPI_Comm ranks;
   GridLayout<dim> grid;
   dealii::parallel::distributed::Triangulation<dim> forest;
   dealii::DoFHandler<dim> nodes;

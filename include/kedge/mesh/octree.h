@@ -21,8 +21,8 @@ std::vector<typename BackgroundMesh<dim>::Cell> cells_in_forest_order(const Back
 template <int dim>
 LeafPlace<dim> place_of(const typename BackgroundMesh<dim>::Cell& cell, const BackgroundMesh<dim>& mesh);
 
-/// Refines a mesh that has base cells only until it has these leaves (of all ranks, in any order). Call update()
-/// afterwards. Collective.
+/// Refines a mesh that has base cells only until it has these leaves. Each rank gives some of them, whosever they are;
+/// none needs to know all. Spreads the cells over the ranks after each level. Collective.
 template <int dim> void refine_to(BackgroundMesh<dim>& mesh, const std::vector<LeafPlace<dim>>& leaves);
 
 /// Gives rank r the next counts[r] leaves in the order of the forest. The counts must add up to all leaves and must

@@ -6,10 +6,10 @@
 
 namespace kedge
 {
-/// The force of one contact point on the soil. Plain data, because ranks send it to each other.
+/// The force of one contact point on the soil.
 struct ContactForce
 {
-  double position[3], force[3]; ///< m, N (2-D: per metre)
+  Eigen::Vector3d position, force; ///< m, N (2-D: per metre)
   unsigned int surface;
 };
 
@@ -29,9 +29,11 @@ UnstructuredGrid tracked_nodes(const RigidSystems& bodies);
 
 /// All surfaces at their present position: triangles, or the sides of outlines in 2-D. Point data: "velocity" (m/s).
 /// Cell data: "body", the number of the rigid point from 1, and "contact force", the force of the soil per area (N/m2).
-/// The latter sums the contact points nearest to a triangle and divides by its area (2-D: force per metre by the length
-/// of the side).
-template <int dim> UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact);
+/// The latter sums the contact points of all ranks nearest to a triangle and divides by its area (2-D: force per metre
+/// by the length of the side); it is complete on rank 0 only. Collective.
+template <int dim>
+UnstructuredGrid body_surfaces(const RigidSystems& bodies, const std::vector<ContactForce>& contact,
+                               MPI_Comm communicator);
 
 /// The grids of all ranks, which have the same arrays, as one; on rank 0 only. Collective.
 UnstructuredGrid gather_grid(UnstructuredGrid mine, MPI_Comm communicator);

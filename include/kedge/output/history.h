@@ -17,13 +17,11 @@ struct ParticleTable
 
 ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::vector<ParticleField>& fields);
 
-/// All rows on rank 0, nothing elsewhere. Collective.
-ParticleTable gather_on_root(const ParticleTable& mine, unsigned int n_columns, MPI_Comm communicator);
-
-/// Writes the line "time,<time>", the names of the columns, and the particles in the order of their numbers. Throws
-/// FileError.
-void write_particle_csv(const ParticleTable& table, const std::vector<ParticleField>& fields, double time,
-                        const std::string& path);
+/// Writes the line "time,<time>", the names of the columns, and the particles of all ranks in the order of their
+/// numbers. Each rank sorts a range of the numbers and appends its rows in turn, so none has all rows. Throws FileError
+/// on all ranks. Collective.
+void write_particle_csv(const ParticleTable& mine, const std::vector<ParticleField>& fields, double time,
+                        const std::string& path, MPI_Comm communicator);
 
 /// The table of the rigid bodies: time, the fields of each point (body1_position_x, ...), the position of each tracked
 /// node (track1_x, ...), force and couple of each joint (joint1_force_x, ...), stage and step; one row per output. Only

@@ -43,7 +43,7 @@ public:
 private:
   using Layers = std::vector<std::vector<ParticleView>>;
 
-  void write_snapshot(const Snapshot<dim>& state, const Layers& layers, const std::vector<ContactForce>& contact);
+  void write_snapshot(const Snapshot<dim>& state, const Layers& layers);
   void write_piece(const std::string& series, UnstructuredGrid grid, const Snapshot<dim>& state);
   void write_on_root(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state);
   void list(const std::string& series, const std::string& file, double time);

@@ -11,8 +11,11 @@ std::string last_system_message();
 /// Writes `text` (any bytes) to `path`; replaces an existing file. Throws FileError.
 void write_text_file(const std::string& path, const std::string& text);
 
-/// The same, but writes under a second name and renames the file, so a reader sees the old file or the new one, never a
-/// part.
+/// Adds `text` to the end of the file. Throws FileError.
+void append_text(const std::string& path, const std::string& text);
+
+/// As write_text_file, but writes under a second name and renames the file, so a reader sees the old file or the new
+/// one, never a part.
 void replace_text_file(const std::string& path, const std::string& text);
 
 /// Everything in the file. Throws FileError.

@@ -59,8 +59,8 @@ public:
   void carry_through(const std::function<void()>& change);
 
   /// Spreads cells with their particles anew over the ranks. `cost` is the work of a particle that sees the nodes of
-  /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see; waiting
-  /// particles cost nothing. Collective.
+  /// one regular cell, relative to an empty cell's work; that of others grows with the nodes they see, and where the
+  /// last step had them near a body; waiting particles cost nothing. Collective.
   void balance_load(double cost);
   /// Work of the busiest rank over the mean, at least 1. Collective.
   double imbalance(double cost) const;

@@ -32,7 +32,7 @@ public:
   Pass next();
 
 private:
-  std::vector<unsigned char> find_soil() const;
+  std::vector<unsigned char> find_soil(const std::vector<unsigned char>& asked) const;
   std::vector<double> find_largest_sizes() const;
   bool change_cells();
 
@@ -41,6 +41,7 @@ private:
   const RigidSystems& bodies;
   const Adaptivity& adaptivity;
   unsigned int points_per_axis;
+  double finest;         ///< smallest size that is wanted anywhere, m
   bool refines;          ///< still
   bool gathered = false; ///< no cell changed since the last repartition
 };

@@ -46,7 +46,7 @@ public:
   const Contact<dim>& contact() const { return contacts; }
   /// The guess for the next step.
   const Prediction& prediction() const { return guess; }
-  MPI_Comm communicator() const { return grid.triangulation().get_communicator(); }
+  MPI_Comm communicator() const { return grid.communicator(); }
 
   /// Material points deleted or lost since the run began, over all ranks.
   long long n_deleted() const { return deleted + points.n_lost(); }

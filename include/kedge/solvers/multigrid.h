@@ -12,7 +12,7 @@ class Multigrid : public TpetraOperator
 {
 public:
   /// `near_null_space`: rigid body modes as columns, on the row map. `strong` takes longer and serves where the other
-  /// fails. Null if no hierarchy is found. Collective.
+  /// fails. Null if no hierarchy is found. Changes the entries of the matrix by 1e-10 of themselves. Collective.
   static Teuchos::RCP<Multigrid> build(const Teuchos::RCP<TpetraMatrix>& matrix,
                                        const Teuchos::RCP<TpetraMultiVector>& near_null_space, unsigned int block_size,
                                        bool strong);

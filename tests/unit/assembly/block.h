@@ -43,7 +43,7 @@ template <int dim> struct Discretisation
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;
-    nodes = number_active_nodes<dim>(table, used, mesh.triangulation().get_communicator());
+    nodes = number_active_nodes<dim>(table, used, mesh.communicator());
     stencils = upload_stencils<dim>(std::move(host), nodes.number);
     cells = group_by_cell(stencils, particles.leaves(), std::vector<unsigned char>(mesh.leaves().leaves.size(), 1));
     for (const unsigned int node : nodes.mesh_node)

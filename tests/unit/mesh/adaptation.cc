@@ -18,9 +18,10 @@ public:
   {
     return [wanted](const std::array<double, dim>&, double) { return wanted; };
   }
-  std::vector<unsigned char> soil(const bool everywhere = true) const
+  static FindSoil soil(const bool everywhere = true)
   {
-    return std::vector<unsigned char>(this->mesh.leaves().leaves.size(), everywhere);
+    return [everywhere](const std::vector<unsigned char>& asked)
+    { return std::vector<unsigned char>(asked.size(), everywhere); };
   }
   std::vector<double> largest(const double size) const
   {
@@ -80,21 +81,24 @@ TYPED_TEST(Flags, RefineLargerCellsToTheWantedSize)
   ASSERT_EQ(this->greatest(), this->base);
   for (unsigned int pass = 0; pass < 2; ++pass)
   {
-    ASSERT_TRUE(flag_refinement<TypeParam::value>(this->mesh, this->size(this->base / 4.), this->soil()));
+    ASSERT_TRUE(
+        flag_refinement<TypeParam::value>(this->mesh, this->size(this->base / 4.), this->base / 4., this->soil()));
     this->execute();
   }
-  EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(this->base / 4.), this->soil()));
+  EXPECT_FALSE(
+      flag_refinement<TypeParam::value>(this->mesh, this->size(this->base / 4.), this->base / 4., this->soil()));
   EXPECT_EQ(this->greatest(), this->base / 4.);
 }
 
 TYPED_TEST(Flags, LeaveCellsWithoutSoil)
 {
-  EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(0.01), this->soil(false)));
+  EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(0.01), 0.01, this->soil(false)));
 }
 
 TYPED_TEST(Flags, TreatSizesWithinOnePercentAsOneLevel)
 {
-  EXPECT_FALSE(flag_refinement<TypeParam::value>(this->mesh, this->size(0.992 * this->base), this->soil()));
+  EXPECT_FALSE(
+      flag_refinement<TypeParam::value>(this->mesh, this->size(0.992 * this->base), 0.1 * this->base, this->soil()));
   this->coarsen(0.992 * this->base, this->infinity);
   EXPECT_EQ(this->smallest(), this->base);
 }

@@ -157,7 +157,7 @@ TEST(BodyGrids, TrackedNodeMovesWithItsBody)
 
 TEST(BodyGrids, SurfaceStandsWhereTheBodyIs)
 {
-  const UnstructuredGrid grid = body_surfaces<3>(turned_body(test::cube()), {});
+  const UnstructuredGrid grid = body_surfaces<3>(turned_body(test::cube()), {}, MPI_COMM_SELF);
   EXPECT_EQ(grid.shape, CellShape::triangle);
   EXPECT_EQ(grid.n_points(), 8u);
   EXPECT_EQ(grid.n_cells(), 12u);
@@ -176,7 +176,7 @@ TEST(BodyGrids, ContactForceIsTheReactionPerArea)
   RigidSystems bodies = turned_body(test::cube());
   // After the turn the side x = -1 of the body faces +z of the world; both points press on one of its triangles.
   const std::vector<ContactForce> contact = {{{5.5, 0.5, 7.9}, {1., 0., 3.}, 0}, {{5.6, 0.5, 7.95}, {0., 0., 5.}, 0}};
-  const UnstructuredGrid grid = body_surfaces<3>(bodies, contact);
+  const UnstructuredGrid grid = body_surfaces<3>(bodies, contact, MPI_COMM_SELF);
   const std::vector<float>& force = floats(grid.cell_data.at(1));
   unsigned int n_loaded = 0;
   for (std::size_t face = 0; face < 12; ++face)
@@ -198,8 +198,8 @@ TEST(BodyGrids, OutlineInPlaneStrain)
   bodies.points[0].pose.position = {10., 0., 20.};
   bodies.surfaces.push_back({Surface(extrude_outline({{-1, -2}, {1, -2}, {1, 2}, {-1, 2}}, "outline")), 0});
   // 6 N and 2 N per metre on the soil below, at different places of the lower side
-  const UnstructuredGrid grid =
-      body_surfaces<2>(bodies, {{{9.2, 0., 18.05}, {0., 0., -6.}, 0}, {{10.9, 0., 18.05}, {0., 0., -2.}, 0}});
+  const UnstructuredGrid grid = body_surfaces<2>(
+      bodies, {{{9.2, 0., 18.05}, {0., 0., -6.}, 0}, {{10.9, 0., 18.05}, {0., 0., -2.}, 0}}, MPI_COMM_SELF);
   EXPECT_EQ(grid.shape, CellShape::line);
   ASSERT_EQ(grid.n_points(), 4u);
   ASSERT_EQ(grid.n_cells(), 4u);

@@ -17,7 +17,7 @@ TEST(ParticleCsv, TextIsExact)
   const TemporaryFolder folder;
   const auto fields = select_particle_fields<3>({"position", "volume"});
   const ParticleTable table = {{7, 3}, {1., -2.5e-3, 0.1, 1e300, 1. / 3., 0., 1e-7, std::nan("")}};
-  write_particle_csv(table, fields, 0.25, folder / own("mps.csv"));
+  write_particle_csv(table, fields, 0.25, folder / own("mps.csv"), MPI_COMM_SELF);
   EXPECT_EQ(read_text_file(folder / own("mps.csv")), "time,0.25\n"
                                                      "position_x,position_y,position_z,volume\n"
                                                      "0.3333333333333333,0,1e-07,nan\n"
@@ -28,7 +28,7 @@ TEST(ParticleCsv, NumbersReadBackExactly)
 {
   const TemporaryFolder folder;
   const double value = 0.1 + 0.2;
-  write_particle_csv({{0}, {value}}, select_particle_fields<3>({"volume"}), 0., folder / own("mps.csv"));
+  write_particle_csv({{0}, {value}}, select_particle_fields<3>({"volume"}), 0., folder / own("mps.csv"), MPI_COMM_SELF);
   const std::string text = read_text_file(folder / own("mps.csv"));
   EXPECT_EQ(std::stod(text.substr(text.find("volume\n") + 7)), value);
 }
@@ -36,31 +36,33 @@ TEST(ParticleCsv, NumbersReadBackExactly)
 TEST(ParticleCsv, LayerWithoutParticlesHasHeaderOnly)
 {
   const TemporaryFolder folder;
-  write_particle_csv({}, select_particle_fields<3>({"volume"}), 1., folder / own("mps.csv"));
+  write_particle_csv({}, select_particle_fields<3>({"volume"}), 1., folder / own("mps.csv"), MPI_COMM_SELF);
   EXPECT_EQ(read_text_file(folder / own("mps.csv")), "time,1\nvolume\n");
 }
 
-TEST(ParticleCsv, RowsAreGatheredOnRankZero)
+TEST(ParticleCsv, RowsOfAllRanksAreInOrder)
 {
-  const long long rank = rank_of(MPI_COMM_WORLD);
-  const std::size_t n = rank_of(MPI_COMM_WORLD) + 1; // a different number on each
+  const TemporaryFolder folder;
+  const long long rank = rank_of(MPI_COMM_WORLD), size = size_of(MPI_COMM_WORLD);
   ParticleTable mine;
-  for (std::size_t i = 0; i < n; ++i)
+  for (long long i = 4; i-- > rank;) // another number on each rank, interleaved and backwards
   {
-    mine.ids.push_back(10 * rank + i);
-    mine.values.insert(mine.values.end(), {double(rank), double(i)});
+    mine.ids.push_back(size * i + rank);
+    mine.values.push_back(double(size * i + rank));
   }
-  const ParticleTable all = gather_on_root(mine, 2, MPI_COMM_WORLD);
-  if (rank != 0)
-  {
-    EXPECT_TRUE(all.ids.empty());
-    return;
-  }
-  const std::size_t size = size_of(MPI_COMM_WORLD);
-  ASSERT_EQ(all.ids.size(), size * (size + 1) / 2);
-  ASSERT_EQ(all.values.size(), 2 * all.ids.size());
-  for (std::size_t row = 0; row < all.ids.size(); ++row)
-    EXPECT_EQ(all.ids[row], 10 * all.values[2 * row] + all.values[2 * row + 1]);
+  write_particle_csv(mine, select_particle_fields<3>({"volume"}), 0., folder / "mps.csv", MPI_COMM_WORLD);
+  std::string expected = "time,0\nvolume\n";
+  for (long long id = 0; id < 4 * size; ++id)
+    if (id / size >= id % size)
+      expected += std::to_string(id) + "\n";
+  EXPECT_EQ(read_text_file(folder / "mps.csv"), expected);
+}
+
+TEST(ParticleCsv, FailureOfOneRankIsThatOfAll)
+{
+  ParticleTable mine{{1}, {1.}};
+  EXPECT_THROW(write_particle_csv(mine, select_particle_fields<3>({"volume"}), 0., "/nowhere/mps.csv", MPI_COMM_WORLD),
+               FileError);
 }
 
 /// Two points, the second one turned by half a turn about z and carrying a tracked node.

@@ -278,47 +278,6 @@ TYPED_TEST(Particles, KeepTheirDataWhenCellsAreRefinedAndCoarsened)
   }
 }
 
-TYPED_TEST(Particles, AreBalancedAfterRefinementInACorner)
-{
-  constexpr double cost = 20.;
-  this->particles.remove_if([](const auto& particle) { return particle.get_location()[0] > 2.; });
-  auto& forest = this->mesh.triangulation();
-  for (unsigned int pass = 0; pass < 2; ++pass)
-  {
-    for (const auto& cell : forest.active_cell_iterators())
-      if (cell->is_locally_owned() && cell->center().norm() < 1.)
-        cell->set_refine_flag();
-    this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
-  }
-  const double before = this->particles.imbalance(cost);
-  this->particles.balance_load(cost);
-  if (size_of(MPI_COMM_WORLD) == 1)
-  {
-    EXPECT_EQ(before, 1.);
-  }
-  else
-  {
-    EXPECT_GT(before, 1.3);
-    EXPECT_LT(this->particles.imbalance(cost), 1.2);
-  }
-}
-
-TYPED_TEST(Particles, CostMoreWhereTheySeeMoreNodes)
-{
-  if (size_of(MPI_COMM_WORLD) == 1)
-    GTEST_SKIP() << "one rank is always balanced";
-  // twice finer, each reaches into 2^dim cells; by their number alone the imbalance would be 1.23 at most
-  for (unsigned int pass = 0; pass < 2; ++pass)
-  {
-    auto& forest = this->mesh.triangulation();
-    for (const auto& cell : forest.active_cell_iterators())
-      if (cell->is_locally_owned() && rank_of(MPI_COMM_WORLD) == 0)
-        cell->set_refine_flag();
-    this->particles.carry_through([&] { forest.execute_coarsening_and_refinement(); });
-  }
-  EXPECT_GT(this->particles.imbalance(20.), 1.35);
-}
-
 TYPED_TEST(Particles, CommitTheTrialState)
 {
   const ParticleArrays& arrays = this->particles.arrays();

@@ -80,7 +80,7 @@ template <int dim> struct SlabInSoil : test::SoilFixture<dim>
     for (const auto& leaf : mesh.leaves().leaves)
       if (leaf.owned)
         cells.push_back({leaf.lower, leaf.size});
-    cells = gather_everywhere(cells, mesh.triangulation().get_communicator());
+    cells = gather_everywhere(cells, mesh.communicator());
     std::sort(cells.begin(), cells.end());
     return cells;
   }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <kedge/solvers/linear_solver.h>
+#include <kedge/solvers/multigrid.h>
 
 using namespace kedge;
 
@@ -170,6 +171,24 @@ TEST(LinearSolver, RenewsAHierarchyThatHasWornOut)
   const unsigned int renewed = solver.solve(*cube.right_side, *cube.solution, 1e-6).iterations;
   EXPECT_EQ(renewed, cube.solve(parameters, 1e-6).iterations);
   EXPECT_GT(worn, renewed + 9);
+}
+
+TEST(Multigrid, IsRenewedWhereEntriesWereZero)
+{
+  const Cube cube(16);
+  const auto values = cube.matrix->getLocalMatrixDevice().values;
+  std::vector<double> kept(values.extent(0));
+  for (std::size_t k = 0; k < kept.size(); ++k)
+  {
+    kept[k] = values(k);
+    if (k % 5 == 0 && std::fabs(kept[k]) < 2.) // not of the diagonal
+      values(k) = 0.;
+  }
+  const auto multigrid = Multigrid::build(cube.matrix, cube.modes(), 3, false);
+  ASSERT_FALSE(multigrid.is_null());
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    values(k) = kept[k];
+  EXPECT_TRUE(multigrid->renew());
 }
 
 TEST(LinearSolver, ReportsASingularMatrixToTheDirectSolver)
