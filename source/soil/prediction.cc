@@ -2,6 +2,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/basis/gimp.h>
 #include <kedge/soil/prediction.h>
+#include <unordered_map>
 
 namespace kedge
 {
@@ -23,12 +24,47 @@ Vector<dim> interpolate(const std::vector<double>& prediction, const LeafTable<d
   return increment;
 }
 
-/// A place that another rank has had before, and what that says of it.
+/// What another rank says of a node.
 template <int dim> struct Answer
 {
   std::size_t node; ///< of the rank that asks
   Vector<dim> increment;
 };
+
+/// Gives nodes of other ranks the increments that their owners have: a rank knows those of its own nodes and of nodes
+/// around its soil, but not of all nodes of its leaves without soil.
+template <int dim>
+void complete(std::vector<double>& prediction, const LeafTable<dim>& table, const MPI_Comm communicator)
+{
+  struct Question
+  {
+    std::size_t node; ///< of the rank that asks
+    long long id;
+  };
+  const int n_ranks = size_of(communicator);
+  const std::vector<long long> begin =
+      gather_everywhere(std::vector<long long>{sum_over_lower_ranks(table.n_owned_nodes, communicator)}, communicator);
+  std::vector<std::vector<Question>> questions(n_ranks);
+  std::unordered_map<long long, std::size_t> owned;
+  for (std::size_t node = 0; node < table.node_ids.size(); ++node)
+    if (const long long id = table.node_ids[node]; table.node_owner_is_me[node])
+      owned.emplace(id, node);
+    else
+      questions[std::upper_bound(begin.begin(), begin.end(), id) - begin.begin() - 1].push_back({node, id});
+  const std::vector<std::vector<Question>> asked = exchange_between_ranks(questions, communicator);
+  std::vector<std::vector<Answer<dim>>> answers(n_ranks);
+  for (int r = 0; r < n_ranks; ++r)
+    for (const Question& question : asked[r])
+      if (const auto found = owned.find(question.id); found != owned.end())
+      {
+        Answer<dim>& answer = answers[r].emplace_back();
+        answer.node = question.node;
+        std::copy_n(prediction.begin() + dim * found->second, dim, answer.increment.begin());
+      }
+  for (const auto& from_rank : exchange_between_ranks(answers, communicator))
+    for (const Answer<dim>& answer : from_rank)
+      std::copy(answer.increment.begin(), answer.increment.end(), prediction.begin() + dim * answer.node);
+}
 
 /// Asks the former owners for the increments at nodes in leaves that were not this rank's.
 template <int dim>
@@ -63,19 +99,21 @@ Prediction transfer_prediction(const Prediction& prediction, const LeafTable<dim
 {
   if (!prediction)
     return {};
+  std::vector<double> known = *prediction;
+  if (size_of(communicator) > 1)
+    complete<dim>(known, from, communicator);
   std::vector<double> result(dim * to.node_position.size(), 0.);
   std::vector<std::size_t> of_others;
-  // A rank has the values of its own leaves' nodes alone: those of a ghost leaf may lie too far away for it.
   for (std::size_t node = 0; node < to.node_position.size(); ++node)
     if (const int leaf = from.find_leaf(to.node_position[node]); leaf >= 0 && from.leaves[leaf].owned)
     {
-      const Vector<dim> increment = interpolate<dim>(*prediction, from, leaf, to.node_position[node]);
+      const Vector<dim> increment = interpolate<dim>(known, from, leaf, to.node_position[node]);
       std::copy(increment.begin(), increment.end(), result.begin() + dim * node);
     }
     else
       of_others.push_back(node);
   if (size_of(communicator) > 1)
-    ask_others<dim>(*prediction, from, to, of_others, communicator, result);
+    ask_others<dim>(known, from, to, of_others, communicator, result);
   return result;
 }
 

@@ -25,17 +25,15 @@ using Dimensions = testing::Types<std::integral_constant<int, 2>, std::integral_
 TYPED_TEST_SUITE(PredictionOn, Dimensions, test::DimensionName);
 } // namespace
 
-/// A rank knows the values of its own leaves' nodes, not all of those of ghost leaves.
+/// A rank is sure to know the values of the nodes that it owns, not those of others.
 TYPED_TEST(PredictionOn, AnotherMeshAndPartitionIsExactWhereItIsLinear)
 {
   constexpr int dim = TypeParam::value;
   const LeafTable<dim> before = this->mesh.leaves();
   std::vector<double> known(dim * before.node_position.size(), std::numeric_limits<double>::quiet_NaN());
-  for (const auto& leaf : before.leaves)
-    if (leaf.owned)
-      for (unsigned int i = leaf.node_begin; i < leaf.node_begin + leaf.n_nodes; ++i)
-        for (unsigned int d = 0; d < dim; ++d)
-          known[dim * before.nodes[i] + d] = this->component(before.node_position[before.nodes[i]], d);
+  for (std::size_t node = 0; node < before.node_position.size(); ++node)
+    for (unsigned int d = 0; d < dim && before.node_owner_is_me[node]; ++d)
+      known[dim * node + d] = this->component(before.node_position[node], d);
 
   test::refine_some_cells(this->mesh, 17);
   std::vector<double> work(this->mesh.triangulation().n_active_cells(), 1.);
