@@ -5,8 +5,8 @@ add_library(trilinos INTERFACE)
 target_include_directories(trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
 target_link_libraries(trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
 
-# The same for deal.II, whose own macros would force its flags on every target. From 9.6 on it has a target without them,
-# which knows the include folders of its packages.
+# The same for deal.II, whose own macros would force its flags on every target. From 9.6 on it has a target without
+# them, which knows the include folders of its packages.
 add_library(deal.II INTERFACE)
 if(TARGET dealii::dealii_release)
   target_link_libraries(deal.II INTERFACE dealii::dealii_release trilinos)
