@@ -66,7 +66,7 @@ KEDGE_FUNCTION SlipLimit slip_limit(const ContactStiffness& stiffness, const dou
   return {0., 0.}; // no other limit exists
 }
 
-/// Share of the slip limit within which a point counts as sticking in the tangent; its force is continuous. A point
+/// Share of the slip limit within which a point counts as sliding in the tangent; its force is continuous. A point
 /// that has slid lies on the limit when the next step begins: without this round-off, and so the number of ranks, would
 /// choose its side and with it Newton's path.
 constexpr double on_the_limit = 1e-6;
@@ -103,14 +103,15 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
       -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
   const double size = std::sqrt(trial.dot(trial));
   response.tangential = size > limit.force ? Eigen::Vector3d(trial * (limit.force / size)) : trial;
-  if (size <= (1. + on_the_limit) * limit.force)
+  if (size <= (1. - on_the_limit) * limit.force || size == 0.)
     response.tangent += trial_change;
   else
   {
     response.sliding = true;
     const Eigen::Vector3d direction = trial * (1. / size);
     response.tangent -= limit.slope * stiffness.normal * direction * n.transpose();
-    response.tangent += (limit.force / size) * (trial_change - direction * (direction.transpose() * trial_change));
+    response.tangent +=
+        std::fmin(1., limit.force / size) * (trial_change - direction * (direction.transpose() * trial_change));
   }
   response.force += response.tangential;
   return response;
