@@ -61,18 +61,25 @@ template <int dim> bool begins_family(const std::vector<Leaf<dim>>& leaves, cons
 /// Whether a finer leaf touches the family that begins with this leaf, even if only at a corner.
 template <int dim> bool touches_finer_leaf(const LeafTable<dim>& table, const Leaf<dim>& first)
 {
-  std::array<double, dim> lower, upper;
-  for (unsigned int d = 0; d < dim; ++d)
-  {
-    lower[d] = first.lower[d] - across * first.size;
-    upper[d] = first.lower[d] + (2. + across) * first.size;
-  }
   std::vector<unsigned int> touching;
-  table.find_leaves(lower, upper, touching);
+  find_touching<dim>(table, first.lower, 2. * first.size, touching);
   return std::any_of(touching.begin(), touching.end(),
                      [&](const unsigned int leaf) { return table.leaves[leaf].tree_level > first.tree_level; });
 }
 } // namespace
+
+template <int dim>
+void find_touching(const LeafTable<dim>& table, const std::array<double, dim>& corner, const double edge,
+                   std::vector<unsigned int>& found)
+{
+  std::array<double, dim> lower, upper;
+  for (unsigned int d = 0; d < dim; ++d)
+  {
+    lower[d] = corner[d] - across * edge;
+    upper[d] = corner[d] + (1. + across) * edge;
+  }
+  table.find_leaves(lower, upper, found);
+}
 
 template <int dim>
 bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, const double finest,
@@ -149,6 +156,8 @@ Coarsening flag_coarsening(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wan
   return any_rank(split, communicator) ? Coarsening::split_families : Coarsening::none;
 }
 
+template void find_touching<2>(const LeafTable<2>&, const std::array<double, 2>&, double, std::vector<unsigned int>&);
+template void find_touching<3>(const LeafTable<3>&, const std::array<double, 3>&, double, std::vector<unsigned int>&);
 template bool flag_refinement<2>(BackgroundMesh<2>&, const WantedSize<2>&, double, const FindSoil&);
 template bool flag_refinement<3>(BackgroundMesh<3>&, const WantedSize<3>&, double, const FindSoil&);
 template Coarsening flag_coarsening<2>(BackgroundMesh<2>&, const WantedSize<2>&, const std::vector<double>&);

@@ -4,6 +4,7 @@
 #include <kedge/base/exceptions.h>
 #include <kedge/mesh/octree.h>
 #include <kedge/output/hdf5_file.h>
+#include <kedge/soil/node_questions.h>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -280,16 +281,6 @@ template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Re
     NodeKey<dim> key;
     Vector increment;
   };
-  struct Question
-  {
-    std::size_t node; ///< of the rank that asks
-    NodeKey<dim> key;
-  };
-  struct Answer
-  {
-    std::size_t node;
-    Vector increment;
-  };
   const MPI_Comm communicator = soil.mesh.communicator();
   soil.prediction.reset();
   if (file.n_rows("prediction", node_width<dim>) == 0)
@@ -308,7 +299,7 @@ template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Re
     std::copy_n(&share[i + dim], dim, row.increment.begin());
     rows[owner_of(row.key)].push_back(row);
   }
-  std::vector<std::vector<Question>> questions(n_ranks);
+  std::vector<std::vector<NodeQuestion<NodeKey<dim>>>> questions(n_ranks);
   for (std::size_t node = 0; node < table.node_position.size(); ++node)
   {
     const NodeKey<dim> key = key_of(table.node_position[node].data());
@@ -319,16 +310,13 @@ template <int dim> void read_prediction(const SoilParts<dim>& soil, const Hdf5Re
   for (const auto& part : exchange_between_ranks(rows, communicator))
     for (const Row& row : part)
       increment_at.emplace(row.key, row.increment);
-  const auto asked = exchange_between_ranks(questions, communicator);
-  std::vector<std::vector<Answer>> answers(n_ranks);
-  for (int r = 0; r < n_ranks; ++r)
-    for (const Question& question : asked[r])
-      if (const auto entry = increment_at.find(question.key); entry != increment_at.end())
-        answers[r].push_back({question.node, entry->second});
+  const auto find = [&](const NodeKey<dim>& key) -> std::optional<Vector>
+  {
+    const auto entry = increment_at.find(key);
+    return entry == increment_at.end() ? std::nullopt : std::make_optional(entry->second);
+  };
   std::vector<double>& increments = soil.prediction.emplace(dim * table.node_position.size(), 0.);
-  for (const auto& part : exchange_between_ranks(answers, communicator))
-    for (const Answer& answer : part)
-      std::copy(answer.increment.begin(), answer.increment.end(), increments.begin() + dim * answer.node);
+  ask_for_increments<dim>(questions, find, communicator, increments);
 }
 } // namespace
 

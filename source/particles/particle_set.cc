@@ -268,6 +268,8 @@ template <int dim> void ParticleSet<dim>::balance_load(const double cost)
 
 template <int dim> double ParticleSet<dim>::imbalance(const double cost) const
 {
+  if (size_of(mesh.communicator()) == 1)
+    return 1.;
   double mine = 0.;
   const std::vector<double> work = cell_work(cost);
   for (const auto& cell : mesh.triangulation().active_cell_iterators())

@@ -23,21 +23,6 @@ template <int dim> bool reaches_into(const RefinedBox& box, const std::array<dou
       return false;
   return true;
 }
-
-/// Appends the leaf and all that touch it, if only at a corner.
-template <int dim>
-void find_touching(const LeafTable<dim>& table, const typename LeafTable<dim>::Leaf& leaf,
-                   std::vector<unsigned int>& found)
-{
-  constexpr double across = 1e-3; // of the leaf's edge; a neighbour is not so small
-  std::array<double, dim> lower, upper;
-  for (unsigned int d = 0; d < dim; ++d)
-  {
-    lower[d] = leaf.lower[d] - across * leaf.size;
-    upper[d] = leaf.lower[d] + (1. + across) * leaf.size;
-  }
-  table.find_leaves(lower, upper, found);
-}
 } // namespace
 
 template <int dim>
@@ -119,7 +104,7 @@ std::vector<unsigned char> CellAdaptation<dim>::find_soil(const std::vector<unsi
   std::vector<unsigned int> around;
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (asked[i])
-      find_touching<dim>(table, table.leaves[i], around);
+      find_touching<dim>(table, table.leaves[i].lower, table.leaves[i].size, around);
   std::vector<unsigned char> may_reach(asked.size(), false);
   for (const unsigned int leaf : around)
     may_reach[leaf] = true;

@@ -210,7 +210,7 @@ template <int dim> void Soil<dim>::merge()
 /// Spreads cells and particles anew over the ranks if the busiest one has much more than the mean work.
 template <int dim> bool Soil<dim>::balance_where_it_pays()
 {
-  if (size_of(communicator()) == 1 || points.imbalance(particle_cost) <= worst_imbalance)
+  if (points.imbalance(particle_cost) <= worst_imbalance)
     return false;
   points.balance_load(particle_cost);
   return true;

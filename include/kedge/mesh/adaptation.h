@@ -20,6 +20,12 @@ template <int dim>
 bool flag_refinement(BackgroundMesh<dim>& mesh, const WantedSize<dim>& wanted, double finest,
                      const FindSoil& find_soil);
 
+/// Appends the leaves in a cell or family with this lower corner and edge (m) and all that touch it, if only at a
+/// corner.
+template <int dim>
+void find_touching(const LeafTable<dim>& table, const std::array<double, dim>& corner, double edge,
+                   std::vector<unsigned int>& found);
+
 enum class Coarsening
 {
   none,

@@ -1,4 +1,4 @@
-#include "../soil_fixture.h"
+#include "tall_block.h"
 #include <gtest/gtest.h>
 
 using namespace kedge;
@@ -12,20 +12,9 @@ public:
   static constexpr int dim = Dimension::value;
 
   Balance()
-      : test::SoilFixture<dim>(layout(), test::layers_of({test::elastic_layer(0.6), test::elastic_layer(2.15)}, 0.4),
-                               10.)
+      : test::SoilFixture<dim>(test::tall_block<dim>(),
+                               test::layers_of({test::elastic_layer(0.6), test::elastic_layer(2.15)}, 0.4), 10.)
   {
-  }
-
-  static GridLayout<dim> layout()
-  {
-    std::array<unsigned int, dim> cells;
-    cells.fill(6);
-    cells[0] = 8;
-    cells[dim - 1] = 8;
-    GridLayout<dim> grid = test::make_brick<dim>(cells, 0.5);
-    grid.soil_extent[dim - 1] = 2.75;
-    return grid;
   }
 };
 

@@ -1,4 +1,4 @@
-#include "../soil_fixture.h"
+#include "tall_block.h"
 #include <Eigen/Core>
 #include <gtest/gtest.h>
 #include <set>
@@ -16,7 +16,7 @@ public:
   static constexpr int dim = Dimension::value;
   static constexpr double interface = 2.15, top = 2.75, gravity = 10.;
 
-  Particles() : test::SoilFixture<dim>(layout(), two_layers(), gravity) {}
+  Particles() : test::SoilFixture<dim>(test::tall_block<dim>(), two_layers(), gravity) {}
 
   static MaterialPointParameters two_layers()
   {
@@ -24,17 +24,6 @@ public:
         test::layers_of({test::elastic_layer(0.6, 1500., 2e6), test::elastic_layer(2.15, 2000.)}, 0.4);
     parameters.layers[1].material.overburden = Overburden{1e4, 0.5};
     return parameters;
-  }
-
-  static GridLayout<dim> layout()
-  {
-    std::array<unsigned int, dim> cells;
-    cells.fill(6);
-    cells[0] = 8;
-    cells[dim - 1] = 8;
-    GridLayout<dim> grid = test::make_brick<dim>(cells, 0.5);
-    grid.soil_extent[dim - 1] = top;
-    return grid;
   }
 
   double plan_area() const { return dim == 3 ? 4. * 3. : 4.; }
@@ -97,7 +86,7 @@ TYPED_TEST(Particles, BeginWithTheStateOfTheirLaw)
   MaterialPointParameters clay = test::layers_of({test::elastic_layer(0.6), test::elastic_layer(2.15)});
   clay.layers[1].material.law = law_index<Clay>;
   clay.layers[1].material.constants.values = {{"undrained strength", 2e3}, {"strength gradient", 1.5e3}};
-  const test::SoilFixture<dim> block(this->layout(), clay);
+  const test::SoilFixture<dim> block(test::tall_block<dim>(), clay);
   const auto state = on_host(block.particles.arrays().state);
   const auto layer = on_host(block.particles.arrays().layer);
   for (std::size_t p = 0; p < block.particles.ids().size(); ++p)
