@@ -39,6 +39,9 @@ add_test(NAME command-line
 set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
 add_test(NAME faults COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/faults $<TARGET_FILE:kedge>)
 set_tests_properties(faults PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
+add_test(NAME replay COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/replay $<TARGET_FILE:kedge>
+                             $<TARGET_FILE:kedge-replay>)
+set_tests_properties(replay PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
 add_test(NAME restarts COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/restarts $<TARGET_FILE:kedge>)
 set_tests_properties(restarts PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
 add_executable(fuzz-server tests/program/fuzz-server.cc)

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(data ${CMAKE_INSTALL_DATADIR}/kedge)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Kedge)
 
-install(TARGETS kedge RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS kedge kedge-replay RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # The tools in Python find their modules, the scenes and mpirun beside their own files.
 install(DIRECTORY python prm DESTINATION ${data} USE_SOURCE_PERMISSIONS

@@ -2,8 +2,15 @@
 
 # Trilinos 13 has no modern targets for its include folders; this library gathers them.
 add_library(trilinos INTERFACE)
-target_include_directories(trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
+set(folders ${Trilinos_INCLUDE_DIRS} ${Trilinos_TPL_INCLUDE_DIRS})
+# One that scripts/build-trilinos has made lies below this folder, which no installed package may name.
+list(TRANSFORM folders REPLACE "^(${PROJECT_SOURCE_DIR}/.*)$" "$<BUILD_INTERFACE:\\1>")
+target_include_directories(trilinos SYSTEM INTERFACE ${folders})
 target_link_libraries(trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
+if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-fopenmp") # its Kokkos has threads
+  find_package(OpenMP REQUIRED COMPONENTS CXX)
+  target_link_libraries(trilinos INTERFACE OpenMP::OpenMP_CXX)
+endif()
 
 # The same for deal.II, whose own macros would force its flags on every target. From 9.6 on it has a target without
 # them, which knows the include folders of its packages.

@@ -22,9 +22,11 @@ struct Arguments
   std::vector<std::string> overrides;
   bool cpu = false, quiet = false, verbose = false, json = false;
   std::string restart; ///< "", "yes" or "auto"
+  kedge::SystemToDump dumped;
 };
 
-ExitCode run(const Arguments& arguments)
+/// `dumps`: up to the step whose linear system is to be written.
+ExitCode run(const Arguments& arguments, const bool dumps)
 {
   kedge::Input input;
   kedge::agree(MPI_COMM_WORLD,
@@ -37,13 +39,16 @@ ExitCode run(const Arguments& arguments)
     input.gpu = false;
   kedge::RunOptions options;
   options.input_file = arguments.file;
-  options.output_directory =
-      arguments.output.empty() ? std::filesystem::path(arguments.file).stem().string() + "-output" : arguments.output;
+  options.output_directory = arguments.output.empty()
+                                 ? std::filesystem::path(arguments.file).stem().string() + (dumps ? "-dump" : "-output")
+                                 : arguments.output;
   options.quiet = arguments.quiet;
   options.verbose = arguments.verbose;
   options.restart = arguments.restart.empty()     ? kedge::Restart::no
                     : arguments.restart == "auto" ? kedge::Restart::automatic
                                                   : kedge::Restart::yes;
+  if (dumps)
+    options.dumps = arguments.dumped;
   return kedge::run_simulation(input, options);
 }
 
@@ -65,6 +70,21 @@ void add_file_arguments(CLI::App& command, Arguments& arguments)
                   "for example --set \"analysis.1.load steps=40\"")
       ->expected(1)
       ->take_all();
+}
+
+void add_run_arguments(CLI::App& command, Arguments& arguments, const std::string& folder)
+{
+  command.add_option("-o,--output", arguments.output, "Folder for all output " + folder);
+  command.add_flag("--cpu", arguments.cpu, "Run on the CPU, whatever \"GPU\" in the input says");
+  command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
+  command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
+      ->excludes("--quiet");
+  command
+      .add_flag(
+          "--restart{yes}", arguments.restart,
+          "Continue from the newest sound restart file in the output folder; \"--restart auto\": where there is one, "
+          "else begin anew")
+      ->check(CLI::IsMember({"yes", "auto"}));
 }
 
 /// The words for CLI11, in reverse, as it reads a list: without the options that Kokkos reads, and with "--restart
@@ -97,19 +117,19 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
   add_file_arguments(run_command, arguments);
-  run_command.add_option("-o,--output", arguments.output, "Folder for all output [<stem of FILE>-output]");
-  run_command.add_flag("--cpu", arguments.cpu, "Run on the CPU, whatever \"GPU\" in the input says");
-  run_command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
-  run_command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
-      ->excludes("--quiet");
-  run_command
-      .add_flag(
-          "--restart{yes}", arguments.restart,
-          "Continue from the newest sound restart file in the output folder; \"--restart auto\": where there is one, "
-          "else begin anew")
-      ->check(CLI::IsMember({"yes", "auto"}));
+  add_run_arguments(run_command, arguments, "[<stem of FILE>-output]");
   ExitCode code = kedge::success;
-  run_command.final_callback([&] { code = run(arguments); });
+  run_command.final_callback([&] { code = run(arguments, false); });
+
+  CLI::App& dump_command = *app.add_subcommand(
+      "dump-step", "Run an input file up to a step and write a linear system of it for kedge-replay");
+  add_file_arguments(dump_command, arguments);
+  add_run_arguments(dump_command, arguments, "[<stem of FILE>-dump]");
+  dump_command.add_option("--to", arguments.dumped.path, "File for the system (safetensors)")->required();
+  dump_command.add_option("--step", arguments.dumped.step, "Number of the step, as in the progress line [the first]");
+  dump_command.add_option("--iteration", arguments.dumped.iteration, "Iteration of Newton's method in it [1]")
+      ->check(CLI::PositiveNumber);
+  dump_command.final_callback([&] { code = run(arguments, true); });
 
   CLI::App& check_command = *app.add_subcommand("check", "Validate an input file and estimate the cost of its run");
   add_file_arguments(check_command, arguments);
@@ -149,17 +169,5 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 int main(int argc, char** argv)
 {
   kedge::Environment environment(argc, argv);
-  try
-  {
-    return run_program(environment, argc, argv);
-  }
-  catch (...)
-  {
-    const kedge::Failure failure = kedge::current_failure();
-    if (!failure.is_named || !kedge::fails_everywhere("program"))
-      kedge::abort_all_ranks(failure);
-    if (environment.rank() == 0)
-      fmt::print(stderr, "kedge: {}\n", failure.message);
-    return failure.code;
-  }
+  return kedge::exit_code_of("kedge", [&] { return run_program(environment, argc, argv); });
 }

@@ -143,7 +143,8 @@ NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, con
   if (!solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution, projection_tolerance) &&
       !(relative_residual(*product, right_side, solution) < loosest_projection))
     throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
-                      "conditioned; increase \"ghost factor mass\" or set \"mass\": \"lumped\"",
+                      "conditioned; increase \"ghost factor mass\", set \"mass\": \"lumped\" or, where the soil flies "
+                      "apart, damp with a \"gamma\" above 0.5",
                       {});
   return system.spread(solution);
 }

@@ -164,6 +164,23 @@ void rethrow_if_alone(const std::string& place)
     throw;
 }
 
+int exit_code_of(const std::string& name, const std::function<int()>& program)
+{
+  try
+  {
+    return program();
+  }
+  catch (...)
+  {
+    const Failure failure = current_failure();
+    if (!failure.is_named || !fails_everywhere("program"))
+      abort_all_ranks(failure);
+    if (rank_of(MPI_COMM_WORLD) == 0)
+      fmt::print(stderr, "{}: {}\n", name, failure.message);
+    return failure.code;
+  }
+}
+
 void abort_all_ranks(const Failure& failure)
 {
   std::fflush(stdout);

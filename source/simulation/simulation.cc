@@ -35,6 +35,8 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_, Fou
     body_force.emplace(input.body_force);
   for (const std::string& warning : find_warnings(input, bodies))
     log.report().warn(warning);
+  if (options.dumps)
+    saved_system = {options.dumps->path, options.dumps->iteration};
 }
 
 /// Nothing of an earlier run in the same folder stays.
@@ -73,12 +75,20 @@ template <int dim> ExitCode Simulation<dim>::run_stages()
       begin_stage(number);
     if (!run_stage())
     {
+      if (saved_system.is_done)
+      {
+        log.finish("finished");
+        log.report().line("the linear system is in " + saved_system.path);
+        return success;
+      }
       const std::string ended = std::string("ended by ") + name_of_signal(checkpoints.told_to_end());
       log.finish(ended);
       log.report().line(ended + "; --restart goes on from " + checkpoints.files().latest);
       return checkpoints.told_to_end() == SIGINT ? interrupted : told_to_end;
     }
   }
+  if (options.dumps)
+    throw InputError("--step", fmt::format("the last step of the run is {}", step_number));
   log.finish("finished");
   return success;
 }
@@ -128,7 +138,7 @@ template <int dim> void Simulation<dim>::bury_bodies()
 }
 
 /// The method, step by step: solve for the trial state, make it the committed one or try a smaller step. False where
-/// the run was told to end.
+/// the run was told to end or has written the system that it was made for.
 template <int dim> bool Simulation<dim>::run_stage()
 {
   Clock clock(requested_steps(stage->stepping), input.solver.minimum_step_fraction);
@@ -140,6 +150,8 @@ template <int dim> bool Simulation<dim>::run_stage()
   {
     log.timings().begin_step(step_number + 1);
     const NewtonReport report = attempt_step(clock);
+    if (has_dumped(report))
+      return false;
     if (report.converged)
     {
       commit_step();
@@ -160,6 +172,19 @@ template <int dim> bool Simulation<dim>::run_stage()
       give_up(clock, report);
   }
   return true;
+}
+
+template <int dim> bool Simulation<dim>::dumps_now() const
+{
+  return options.dumps && (options.dumps->step == 0 || options.dumps->step == step_number + 1);
+}
+
+/// Whether the step was the one whose system is to be written, and all is done.
+template <int dim> bool Simulation<dim>::has_dumped(const NewtonReport& report) const
+{
+  if (!saved_system.is_done && report.converged && dumps_now())
+    throw InputError("--iteration", fmt::format("step {} has {} linear systems", step_number + 1, report.iterations));
+  return saved_system.is_done;
 }
 
 /// Steps in which bodies go too far for the cells at them give too much resistance, or the bodies go through the soil.
@@ -262,11 +287,15 @@ template <int dim> void Simulation<dim>::adapt()
 
 template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 {
-  const StepContext<dim> context{input.gravity, input.basis, input.solver,  *stage,
-                                 soil,          bodies,      log.timings(), body_force ? &*body_force : nullptr,
-                                 replaces_soil};
+  const StepContext<dim> context{input.gravity, input.basis,
+                                 input.solver,  *stage,
+                                 soil,          bodies,
+                                 log.timings(), body_force ? &*body_force : nullptr,
+                                 replaces_soil, dumps_now() ? &saved_system : nullptr};
   if (stage->stepping.type == StageType::explicit_)
   {
+    if (dumps_now())
+      throw InputError("--step", fmt::format("step {} is explicit and solves no linear systems", step_number + 1));
     auto explicit_step = std::make_unique<ExplicitStep<dim>>(context);
     log.tell_time_step(stage->stepping, explicit_step->critical_time_step());
     return explicit_step;

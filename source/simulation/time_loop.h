@@ -31,6 +31,8 @@ private:
   void bury_bodies();
   bool run_stage();
   bool save_if_due(const Clock& clock);
+  bool dumps_now() const;
+  bool has_dumped(const NewtonReport& report) const;
   void limit_steps(Clock& clock);
   NewtonReport attempt_step(const Clock& clock);
   bool bring_into_balance(const Clock& clock);
@@ -63,6 +65,7 @@ private:
   CheckpointSchedule checkpoints;
   std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
 
+  SystemToSave saved_system;            ///< where the run dumps one
   std::unique_ptr<TrialStep<dim>> step; ///< the current one; survives a cut
   std::optional<BodyForce<dim>> body_force;
   std::vector<Vector6> reactions; ///< of the last converged step, as the next

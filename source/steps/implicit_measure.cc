@@ -19,19 +19,19 @@ constexpr double reach_in_cells = 3.;
 /// The present forces become what residuals are compared with.
 template <int dim> void ImplicitStep<dim>::renew_force_measure()
 {
-  const NodalVector sizes = system->make_nodal_vector();
+  const NodalVector sizes = system().make_nodal_vector();
   Kokkos::deep_copy(sizes, given_sizes);
   add_internal_force_sizes<dim>(context.soil.particles().arrays(), basis.stencils, sizes);
   if (context.stage.rigid_bodies)
     add_point_force_sizes(dim, context.soil.contact().points_of_last_evaluation(), sizes);
   if (load.newmark.is_dynamic())
   {
-    const NodalVector inertia = system->make_nodal_vector();
-    add_inertia_force(mass_graph, motion, load.newmark, local_increment, inertia);
+    const NodalVector inertia = system().make_nodal_vector();
+    add_inertia_force(equations->mass_graph(), equations->motion(), load.newmark, local_increment, inertia);
     add_force_sizes(dim, inertia, sizes);
   }
-  TpetraVector owned(system->graph().row_map);
-  system->collect(sizes, owned);
+  TpetraVector owned(system().graph().row_map);
+  system().collect(sizes, owned);
   force_measure.renew(owned);
   body_scale = body_weight;
   if (!rigid_unknowns->empty())

@@ -43,22 +43,23 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
     replace_soil(context, basis);
 
   const auto scope = context.timings.measure("sparsity");
-  set_up_systems(find_constrained_dofs(context, basis.nodes));
-  rigid_unknowns = std::make_unique<RigidUnknowns>(context.bodies, context.stage.rigid_bodies, system->graph().row_map);
+  set_up_equations();
+  rigid_unknowns =
+      std::make_unique<RigidUnknowns>(context.bodies, context.stage.rigid_bodies, system().graph().row_map);
   weigh_bodies();
   increment = Teuchos::rcp(new TpetraVector(rigid_unknowns->map()));
-  full_weight = system->make_nodal_vector();
+  full_weight = system().make_nodal_vector();
   add_weight<dim>(context.soil.particles().arrays(), basis.stencils, context.gravity, 1., full_weight);
-  TpetraVector weight(system->graph().row_map);
-  system->collect(full_weight, weight);
+  TpetraVector weight(system().graph().row_map);
+  system().collect(full_weight, weight);
   weight_norm = weight.norm2();
-  given_sizes = system->make_nodal_vector();
+  given_sizes = system().make_nodal_vector();
   add_force_sizes(dim, full_weight, given_sizes);
   force_measure = ForceMeasure(dim, basis.nodes.communicator, find_node_places().spacing);
 
   if (context.stage.stepping.type == StageType::dynamic)
-    motion = project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
-                            context.stage.stepping.lumped_mass, mass_graph, *system);
+    equations->set_motion(project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
+                                         context.stage.stepping.lumped_mass, equations->mass_graph(), system()));
 }
 
 template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
@@ -108,6 +109,7 @@ template <int dim> std::vector<Vector6> ImplicitStep<dim>::reactions() const
 template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
 {
   load = load_;
+  equations->set_newmark(load.newmark);
   find_body_force();
   if (load.newmark.is_dynamic() && load.starts_at_rest)
     find_first_acceleration();
@@ -172,11 +174,11 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
 
   const auto at_nodes = [&](const View<double* [3]>& quantity)
   {
-    const NodalVector result = system->make_nodal_vector();
+    const NodalVector result = system().make_nodal_vector();
     add_particle_momentum(particles, basis.stencils, quantity, result);
     return result;
   };
-  given_sizes = system->make_nodal_vector();
+  given_sizes = system().make_nodal_vector();
   const auto norm = [&](const View<double* [3]>& quantity, const double factor)
   {
     const NodalVector nodal = at_nodes(quantity);
@@ -184,8 +186,8 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
         "scale", Kokkos::RangePolicy<ExecutionSpace>(0, nodal.extent(0)),
         KOKKOS_LAMBDA(const std::size_t i) { nodal(i) *= factor; });
     add_force_sizes(dim, nodal, given_sizes);
-    TpetraVector owned(system->graph().row_map);
-    system->collect(nodal, owned);
+    TpetraVector owned(system().graph().row_map);
+    system().collect(nodal, owned);
     return owned.norm2();
   };
   first_body_force = at_nodes(first);
@@ -204,14 +206,18 @@ template <int dim> void ImplicitStep<dim>::find_first_acceleration()
 {
   const StepLoad first = load;
   load.newmark.dt = 0.;
+  equations->set_newmark(load.newmark);
   for (Vector6& increment : load.body_increments)
     increment.setZero();
   TpetraVector force(increment->getMap());
   increment->putScalar(0.);
   residual(*increment, force);
   force.scale(-1.);
-  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), mass_graph, motion.mass, *system);
+  NodalMotion motion = equations->motion();
+  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), equations->mass_graph(), motion.mass, system());
+  equations->set_motion(motion);
   load = first;
+  equations->set_newmark(load.newmark);
 }
 
 /// The share of the forces at rest, before the load of the step, that it leaves as they are.
@@ -242,7 +248,7 @@ template <int dim> std::optional<NewtonStart> ImplicitStep<dim>::choose_start(co
       for (unsigned int d = 0; d < dim; ++d)
         view(dim * v + d, 0) = load.step_fraction * (*prediction)[dim * basis.nodes.mesh_node[v] + d];
   }
-  system->zero_constrained(*rigid_unknowns->nodal(guess));
+  system().zero_constrained(*rigid_unknowns->nodal(guess));
   rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(context.bodies, rigid_step())));
   const double at_rest = newton.residual(*increment, r), at_guess = newton.residual(guess, r);
   if (!(at_guess < at_rest))
@@ -262,14 +268,9 @@ template <int dim> Prediction ImplicitStep<dim>::predict_next() const
   return prediction;
 }
 
-template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, TpetraVector& r)
+/// Forces that do not follow from the increment.
+template <int dim> void ImplicitStep<dim>::add_given_forces(const NodalVector& force) const
 {
-  const auto scope = context.timings.measure("residual");
-  local_increment = system->spread(*rigid_unknowns->nodal(x));
-  body_increments = rigid_unknowns->fill(load.body_increments, rigid_unknowns->rigid(x));
-  const NodalVector force = system->make_nodal_vector();
-  const unsigned long inverted = update_stress_and_force<dim>(
-      context.soil.particles().arrays(), basis.stencils, context.soil.materials(), local_increment, force, basis.cells);
   const double factor = load.gravity_factor;
   const NodalVector weight = full_weight;
   Kokkos::parallel_for(
@@ -279,6 +280,16 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
     Kokkos::parallel_for(
         "body force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
         KOKKOS_LAMBDA(const std::size_t i) { force(i) -= acting(i); });
+}
+
+template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, TpetraVector& r)
+{
+  const auto scope = context.timings.measure("residual");
+  local_increment = system().spread(*rigid_unknowns->nodal(x));
+  body_increments = rigid_unknowns->fill(load.body_increments, rigid_unknowns->rigid(x));
+  const NodalVector force = system().make_nodal_vector();
+  const unsigned long inverted = equations->add_force(local_increment, force);
+  add_given_forces(force);
   if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
@@ -286,12 +297,9 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
         dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim), -1.,
         force);
   }
-  add_ghost_force<dim>(basis.ghost_faces, local_increment, force);
-  if (load.newmark.is_dynamic())
-    add_inertia_force(mass_graph, motion, load.newmark, local_increment, force);
   const auto nodal_residual = rigid_unknowns->nodal(r);
-  system->collect(force, *nodal_residual);
-  system->zero_constrained(*nodal_residual);
+  system().collect(force, *nodal_residual);
+  system().zero_constrained(*nodal_residual);
   if (!kept_unbalanced.is_null())
     nodal_residual->update(-1., *rigid_unknowns->nodal(*kept_unbalanced), 1.);
   if (sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) > 0)
@@ -318,7 +326,7 @@ template <int dim> SoilIncrements ImplicitStep<dim>::soil_increments() const
   ParticleIncrements increments =
       interpolate_increments<dim>(context.soil.particles().arrays(), basis.stencils, local_increment, basis.cells);
   if (load.newmark.is_dynamic())
-    increments.motion = particle_motion(basis.stencils, motion, load.newmark, local_increment);
+    increments.motion = particle_motion(basis.stencils, equations->motion(), load.newmark, local_increment);
   return {increments, predict_next()};
 }
 

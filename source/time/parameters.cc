@@ -100,7 +100,9 @@ Section<SteppingParameters> stepping_section()
       .only_for("type", {"dynamic"});
   section
       .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
-                "Newmark's gamma; values above 0.5 damp, values below would add energy")
+                "Newmark's gamma; values above 0.5 damp, values below would add energy, as does 0.5 itself where "
+                "bodies touch "
+                "the soil: contacts that open and close feed the highest frequencies until the soil flies apart")
       .only_for("type", {"dynamic"});
   section
       .optional("mass", &P::lumped_mass, choice<bool>({{"consistent", false}, {"lumped", true}}),

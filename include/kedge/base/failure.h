@@ -48,6 +48,10 @@ bool fails_everywhere(const std::string& place);
 /// Throws the error that is being handled again unless fails_everywhere().
 void rethrow_if_alone(const std::string& place);
 
+/// For main(): what `program` returns. An error becomes a message with the program's name and its exit code; where one
+/// rank fails alone, it ends all.
+int exit_code_of(const std::string& name, const std::function<int()>& program);
+
 /// Prints the failure with the number of this rank and ends all ranks with its exit code.
 [[noreturn]] void abort_all_ranks(const Failure& failure);
 

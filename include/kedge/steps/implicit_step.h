@@ -1,12 +1,7 @@
 // The nonlinear problem of one step: what has to be zero, and its derivative.
 #pragma once
 
-#include <kedge/assembly/ghost.h>
-#include <kedge/assembly/inertia.h>
-#include <kedge/assembly/linearised_force.h>
-#include <kedge/assembly/linearised_points.h>
-#include <kedge/assembly/nodal_operator.h>
-#include <kedge/assembly/system.h>
+#include <kedge/assembly/nodal_equations.h>
 #include <kedge/steps/force_measure.h>
 #include <kedge/steps/rigid_unknowns.h>
 #include <kedge/steps/step_basis.h>
@@ -53,31 +48,20 @@ private:
   double residual(const TpetraVector& x, TpetraVector& r);
   void renew_force_measure();
   double measure(const TpetraVector& r) const;
-  // the linear systems (implicit_tangent.cc)
-  std::vector<NodeLists> all_couplings() const;
-  void set_up_systems(const std::vector<unsigned char>& constrained_dofs);
-  void linearise(double elastic_share);
-  void add_product(const NodalVector& direction, const NodalVector& result) const;
-  void finish_matrix(System& into) const;
-  Teuchos::RCP<TpetraMatrix> assemble_near();
-  Teuchos::RCP<TpetraMatrix> assemble_whole();
+  void add_given_forces(const NodalVector& force) const;
+  void set_up_equations();
+  const PointForces* contact_forces() const;
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
+  void save_system(const TpetraVector& r, const TpetraVector& dx, const Border& border, const NewtonSystem& how);
+  const System& system() const { return equations->system(); }
 
   StepContext<dim> context;
   StepBasis basis;
-  NodalMotion motion;                     ///< at the start of the step; empty in static stages
-  std::vector<unsigned char> constrained; ///< dofs of the local nodes
-  bool factorises = false;                ///< every system at once: then the matrix of `system` is the tangent
-  std::unique_ptr<System> system;         ///< else that of the preconditioner
-  std::unique_ptr<System> whole_system;   ///< the tangent for a factorisation after all else has failed
-  NodeGraph mass_graph;                   ///< of this rank's part of the mass
-  LinearisedForce force_derivative;
-  LinearisedGhost ghost_derivative;
-  LinearisedPoints contact_derivative;
-  double damping = 0.; ///< of the last linearisation
+  std::unique_ptr<NodalEquations<dim>> equations;
   std::unique_ptr<RigidUnknowns> rigid_unknowns;
   LinearSolver linear_solver;
+  unsigned int n_solved = 0; ///< linear systems
   Teuchos::RCP<TpetraVector> increment;
   NodalVector local_increment;
   NodalVector full_weight; ///< nodal weight of the soil under full gravity, N

@@ -13,6 +13,14 @@
 
 namespace kedge
 {
+/// A linear system of Newton's method that is to be written to a file (replay/saved_step.h).
+struct SystemToSave
+{
+  std::string path;
+  unsigned int iteration = 1; ///< of the step, from 1
+  bool is_done = false;
+};
+
 /// What a step works on. It reads the committed state and leaves its trial state in the particles' arrays and in the
 /// contact.
 template <int dim> struct StepContext
@@ -26,6 +34,7 @@ template <int dim> struct StepContext
   Timings& timings;
   const BodyForce<dim>* body_force = nullptr; ///< on the soil beside gravity, or none
   bool replaces_soil = false;                 ///< the bodies have just taken the place of soil (wished in place)
+  SystemToSave* saves = nullptr;              ///< or none
 };
 
 /// What acts during a step.

@@ -1,0 +1,60 @@
+// The command line of kedge-replay.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <fmt/format.h>
+#include <kedge/base/environment.h>
+#include <kedge/base/failure.h>
+#include <kedge/replay/replay.h>
+
+namespace
+{
+/// Residuals of two back ends differ by round-off. Products differ by more where an entry of the derivative, which is
+/// held in single precision, is rounded the other way.
+constexpr double residual_limit = 1e-10, product_limit = 1e-6;
+/// Preconditioners differ, and so does where GMRES stops; it measures its residual by recurrence.
+constexpr double tolerance_factor = 1.1;
+
+int run_program(const kedge::Environment& environment, const int argc, char** argv)
+{
+  CLI::App app(
+      "Computes a linear system that \"kedge dump-step\" has written, times its parts on this build's back end "
+      "and compares the answers with those of the run");
+  app.name("kedge-replay");
+  app.footer("With as many ranks as the run had: mpirun -n 2 kedge-replay FILE\n"
+             "Options that begin with --kokkos- go to Kokkos: --kokkos-num-threads=8\n"
+             "Exit codes: 0 done, 2 wrong command line, 3 the answers differ, 4 the file could not be read");
+  std::string path;
+  unsigned int repetitions = 3;
+  app.add_option("FILE", path, "What \"kedge dump-step\" has written")->required();
+  app.add_option("--repeat", repetitions, "Times that every part is computed; the shortest counts [3]")
+      ->check(CLI::Range(1, 1000000));
+  std::vector<std::string> words;
+  for (int i = argc - 1; i > 0; --i)
+    if (std::string(argv[i]).rfind("--kokkos-", 0) != 0)
+      words.push_back(argv[i]);
+  try
+  {
+    app.parse(words);
+  }
+  catch (const CLI::ParseError& error)
+  {
+    return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
+  }
+  const kedge::ReplayReport report = kedge::replay_step(path, repetitions);
+  const bool agrees = report.residual_difference <= residual_limit && report.product_difference <= product_limit &&
+                      report.solution_residual <= tolerance_factor * report.tolerance;
+  if (environment.rank() == 0)
+  {
+    fmt::print("{}", kedge::format_replay(report, kedge::ExecutionSpace::name()));
+    if (!agrees)
+      fmt::print("the answers differ by more than {:.0e}, {:.0e} and the tolerance\n", residual_limit, product_limit);
+  }
+  return agrees ? kedge::success : kedge::solver_failure;
+}
+} // namespace
+
+int main(int argc, char** argv)
+{
+  kedge::Environment environment(argc, argv);
+  return kedge::exit_code_of("kedge-replay", [&] { return run_program(environment, argc, argv); });
+}

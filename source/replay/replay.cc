@@ -1,0 +1,177 @@
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
+#include <kedge/base/communication.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/base/failure.h>
+#include <kedge/replay/replay.h>
+#include <kedge/solvers/linear_solver.h>
+
+namespace kedge
+{
+namespace
+{
+/// The shortest time of some repetitions on the slowest rank, s.
+template <typename Work> double shortest(const unsigned int repetitions, const MPI_Comm communicator, const Work& work)
+{
+  double best = INFINITY;
+  for (unsigned int i = 0; i < repetitions; ++i)
+  {
+    MPI_Barrier(communicator);
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    Kokkos::fence();
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+    best = std::min(best, max_over_ranks(passed.count(), communicator));
+  }
+  return best;
+}
+
+/// Largest difference over the largest entry of what was saved.
+double difference(const std::vector<double>& found, const std::vector<double>& saved, const MPI_Comm communicator)
+{
+  double apart = 0., largest = 0.;
+  for (std::size_t i = 0; i < saved.size(); ++i)
+  {
+    apart = std::max(apart, std::abs(found[i] - saved[i]));
+    largest = std::max(largest, std::abs(saved[i]));
+  }
+  apart = max_over_ranks(apart, communicator);
+  return apart == 0. ? 0. : apart / max_over_ranks(largest, communicator);
+}
+
+Border border_of(const SavedStep& step, const Teuchos::RCP<const TpetraMap>& map)
+{
+  const std::size_t n = step.rigid_side.size();
+  Border border;
+  if (n == 0)
+    return border;
+  border.corner = Eigen::Map<const Eigen::MatrixXd>(step.corner.data(), n, n);
+  border.columns = vectors_of(step.columns, map, n);
+  border.rows = vectors_of(step.rows, map, n);
+  return border;
+}
+
+template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repetitions)
+{
+  const MPI_Comm communicator = step.parts.numbering.communicator;
+  ReplayReport report;
+  report.dim = dim;
+  report.n_particles = sum_over_ranks(static_cast<long long>(step.parts.particles.n), communicator);
+  report.n_dofs = sum_over_ranks(static_cast<long long>(dim) * step.parts.numbering.n_owned, communicator);
+  report.tolerance = step.tolerance;
+  const auto time = [&](const char* name, const auto& work)
+  {
+    const double seconds = shortest(repetitions, communicator, work);
+    report.parts.push_back({name, seconds, ""});
+    return seconds;
+  };
+
+  Timings timings;
+  std::unique_ptr<NodalEquations<dim>> equations;
+  time("sparsity",
+       [&]
+       {
+         equations.reset(); // its memory first
+         equations = std::make_unique<NodalEquations<dim>>(step.parts, false, step.is_dynamic != 0, timings);
+       });
+  equations->set_motion(step.motion);
+  equations->set_newmark(step.newmark);
+  const System& system = equations->system();
+  const PointForces* const points = step.points.n_points() > 0 ? &step.points : nullptr;
+
+  TpetraVector residual(system.graph().row_map);
+  time("residual",
+       [&]
+       {
+         const NodalVector force = system.make_nodal_vector();
+         equations->add_force(step.increment, force);
+         if (points != nullptr)
+           add_point_forces(dim, *points, -1., force);
+         system.collect(force, residual);
+         const auto owned = Kokkos::subview(residual.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
+         const NodalVector other = step.other;
+         Kokkos::parallel_for(
+             "other forces", Kokkos::RangePolicy<ExecutionSpace>(0, owned.extent(0)),
+             KOKKOS_LAMBDA(const std::size_t i) { owned(i) += other(i); });
+         system.zero_constrained(residual);
+       });
+  report.residual_difference = difference(values_of(residual), step.residual, communicator);
+
+  time("tangent", [&] { equations->linearise(step.increment, points, step.elastic_share); });
+  LinearSystem linear = equations->linear_system();
+  TpetraVector product(system.graph().row_map);
+  {
+    const auto saved = vectors_of(step.solution, system.graph().row_map, 1);
+    time("product", [&] { linear.product->apply(*saved, product); });
+  }
+  report.product_difference = difference(values_of(product), step.product, communicator);
+
+  const double matrix = time("matrix", [&] { linear.near(); });
+  const Border border = border_of(step, system.graph().row_map);
+  const Eigen::VectorXd rigid_side = Eigen::Map<const Eigen::VectorXd>(step.rigid_side.data(), step.rigid_side.size());
+  SolverParameters parameters;
+  parameters.linear_solver = LinearSolverChoice::iterative;
+  LinearSolver solver(parameters, dim);
+  TpetraVector solution(system.graph().row_map);
+  Eigen::VectorXd rigid_solution;
+  LinearReport solved;
+  const auto solve = [&]
+  { solved = solver.solve(residual, rigid_side, border, solution, rigid_solution, step.tolerance); };
+  const double whole = shortest(repetitions, communicator,
+                                [&]
+                                {
+                                  solver.set_structure(linear); // forgets the hierarchy
+                                  solve();
+                                });
+  report.linear_iterations = solved.iterations;
+  if (!solved.converged)
+    throw SolverError("the linear system could not be solved", {});
+  const double krylov = shortest(repetitions, communicator, solve); // keeps it
+  report.parts.push_back({"hierarchy", std::max(0., whole - krylov - matrix), ""});
+  report.parts.push_back({"solution", krylov, fmt::format("{} iterations", report.linear_iterations)});
+
+  TpetraVector left(residual, Teuchos::Copy);
+  linear.product->apply(solution, left, Teuchos::NO_TRANS, -1., 1.);
+  for (Eigen::Index i = 0; i < rigid_solution.size(); ++i)
+    left.update(-rigid_solution[i], *border.columns->getVector(i), 1.);
+  report.solution_residual = left.norm2() / residual.norm2();
+  return report;
+}
+} // namespace
+
+ReplayReport replay_step(const std::string& path, const unsigned int repetitions)
+{
+  const MPI_Comm world = MPI_COMM_WORLD;
+  SavedStep step;
+  agree(world,
+        [&]
+        {
+          step = read_step(rank_file(path, world));
+          if (step.n_ranks != static_cast<unsigned int>(size_of(world)))
+            throw FileError(path, fmt::format("was saved by {} ranks and is replayed by as many", step.n_ranks));
+        });
+  return step.dim == 2 ? replay<2>(step, repetitions) : replay<3>(step, repetitions);
+}
+
+std::string format_replay(const ReplayReport& report, const std::string& back_end)
+{
+  std::string text = fmt::format("{}-D, {} material points, {} unknowns; back end {}\n", report.dim, report.n_particles,
+                                 report.n_dofs, back_end);
+  text += fmt::format("{:<12}{:>12}{:>18}\n", "part", "seconds", "ns per point");
+  double iteration = 0.;
+  for (const ReplayedPart& part : report.parts)
+  {
+    if (part.name != "sparsity" && part.name != "product")
+      iteration += part.seconds;
+    text += fmt::format("{:<12}{:>12.4g}{:>18.4g}  {}\n", part.name, part.seconds,
+                        1e9 * part.seconds / report.n_particles, part.remark);
+  }
+  text += fmt::format("{:<12}{:>12.4g}{:>18.4g}  without sparsity; the product is part of the solution\n", "iteration",
+                      iteration, 1e9 * iteration / report.n_particles);
+  text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}\n", report.residual_difference,
+                      report.product_difference);
+  text += fmt::format("linear residual {:.2g} for a tolerance of {:.2g}\n", report.solution_residual, report.tolerance);
+  return text;
+}
+} // namespace kedge
