@@ -46,9 +46,8 @@ add_test(NAME restarts COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/progr
 set_tests_properties(restarts PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
 add_executable(fuzz-server tests/program/fuzz-server.cc)
 target_link_libraries(fuzz-server PRIVATE kedge_simulation)
-# The limit is twice the 5 s that a check may take: shared machines are at times half as fast.
 add_test(NAME fuzz COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/fuzz $<TARGET_FILE:fuzz-server>
-                           --mutations 300 --runs 0.02 --limit $<IF:$<BOOL:${KEDGE_SANITIZE}>,40,10>
+                           --mutations 300 --runs 0.02 --limit $<IF:$<BOOL:${KEDGE_SANITIZE}>,40,5>
                            --keep ${PROJECT_BINARY_DIR}/fuzz-faults)
 set_tests_properties(fuzz PROPERTIES LABELS scene TIMEOUT 600)
 add_test(NAME soak COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/soak $<TARGET_FILE:kedge> --steps 600)
