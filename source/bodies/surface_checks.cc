@@ -1,3 +1,5 @@
+#include "overlapping_boxes.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -215,35 +217,52 @@ std::vector<Shell> find_shells(const TriangleMesh& mesh)
   return shells;
 }
 
-/// How often the surface without this shell winds around a point of it: 1 inside another one. A shell winds around no
-/// point outside its box.
-long winding_around(const Shell& shell, const std::vector<Shell>& shells, const TriangleMesh& mesh)
+/// How often each shell lies within others: around its point, how often the surface of the others winds. A shell winds
+/// around no point outside its box.
+std::vector<long> depths(const std::vector<Shell>& shells, const TriangleMesh& mesh)
 {
-  double angle = 0.;
-  for (const Shell& other : shells)
-    if (&other != &shell && other.box.contains(shell.point))
-      for (const std::size_t t : other.triangles)
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Shell& shell : shells)
+    boxes.push_back(shell.box);
+
+  std::vector<double> angles(shells.size(), 0.);
+  const auto add_angle = [&](const unsigned int inner, const unsigned int outer)
+  {
+    if (boxes[outer].contains(shells[inner].point))
+      for (const std::size_t t : shells[outer].triangles)
       {
-        const auto [a, b, c] = seen_from(shell.point, mesh, t);
-        angle += solid_angle(a, b, c);
+        const auto [a, b, c] = seen_from(shells[inner].point, mesh, t);
+        angles[inner] += solid_angle(a, b, c);
       }
-  return std::lround(angle / (4. * M_PI));
+  };
+  for_overlapping_pairs(boxes,
+                        [&](const unsigned int i, const unsigned int j)
+                        {
+                          add_angle(i, j);
+                          add_angle(j, i);
+                        });
+
+  std::vector<long> depths;
+  for (const double angle : angles)
+    depths.push_back(std::lround(angle / (4. * M_PI)));
+  return depths;
 }
 
 /// A shell must have a positive volume and lie outside all others, or a negative volume (a cavity) and lie inside one.
 void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
 {
   const std::vector<Shell> shells = find_shells(mesh);
-  for (const Shell& shell : shells)
+  const std::vector<long> depth = depths(shells, mesh);
+  for (std::size_t i = 0; i < shells.size(); ++i)
   {
+    const Shell& shell = shells[i];
     const Eigen::Vector3d& x = shell.point;
-    const long winding = winding_around(shell, shells, mesh);
     const std::string part = shells.size() == 1 ? "" : fmt::format(" in the part that holds {}", at(x));
-    if (shell.volume < 0. && winding != 1)
+    if (shell.volume < 0. && depth[i] != 1)
       refuse(fmt::format("inverted: the triangles face inwards{} (volume {:.6g} m3, for example at {})", part,
                          shell.volume, at(x)),
              "reverse the order of the corners of every triangle there");
-    if (shell.volume >= 0. && winding != 0)
+    if (shell.volume >= 0. && depth[i] != 0)
       refuse("the part that holds " + at(x) + " lies inside another part and is not a cavity",
              "remove it, or reverse its triangles if it is a cavity");
   }

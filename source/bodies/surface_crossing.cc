@@ -1,8 +1,9 @@
-// The only file of this room that includes CGAL: its headers are slow to compile.
+#include "overlapping_boxes.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
+#include <CGAL/intersections.h>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <kedge/bodies/surface.h>
 #include <limits>
 
@@ -10,6 +11,46 @@ namespace kedge
 {
 namespace
 {
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+Kernel::Point_3 point(const TriangleMesh& mesh, const unsigned int vertex)
+{
+  const Eigen::Vector3d& x = mesh.vertices[vertex];
+  return {x[0], x[1], x[2]};
+}
+
+/// Whether the triangles have more in common than a vertex or an edge of the mesh.
+bool cross(const TriangleMesh& mesh, const std::array<unsigned int, 3>& first,
+           const std::array<unsigned int, 3>& second)
+{
+  // Vertices of both come first in the order, so that the rest of each lies opposite to them.
+  std::array<unsigned int, 3> a = first, b = second;
+  const auto is_in = [](const std::array<unsigned int, 3>& triangle)
+  {
+    return [&triangle](const unsigned int v)
+    { return std::find(triangle.begin(), triangle.end(), v) != triangle.end(); };
+  };
+  const auto n_common = std::stable_partition(a.begin(), a.end(), is_in(second)) - a.begin();
+  std::stable_partition(b.begin(), b.end(), is_in(first));
+
+  std::array<Kernel::Point_3, 3> p, q;
+  for (unsigned int i = 0; i < 3; ++i)
+  {
+    p[i] = point(mesh, a[i]);
+    q[i] = point(mesh, b[i]);
+  }
+  if (n_common == 3)
+    return true;
+  // Across an edge they overlap only where one is folded back onto the other.
+  if (n_common == 2)
+    return CGAL::coplanar(p[0], p[1], p[2], q[2]) &&
+           CGAL::coplanar_orientation(p[0], p[1], p[2], q[2]) == CGAL::POSITIVE;
+  const Kernel::Triangle_3 s(p[0], p[1], p[2]), t(q[0], q[1], q[2]);
+  if (n_common == 1)
+    return CGAL::do_intersect(s, Kernel::Segment_3(q[1], q[2])) || CGAL::do_intersect(t, Kernel::Segment_3(p[1], p[2]));
+  return CGAL::do_intersect(s, t);
+}
+
 /// Where the edge a-b crosses the plane of the triangle, and how far outside the triangle (barycentric; 0: inside).
 std::pair<Eigen::Vector3d, double> pierce(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                           const std::array<Eigen::Vector3d, 3>& triangle)
@@ -55,28 +96,32 @@ Eigen::Vector3d common_point(const std::array<std::array<Eigen::Vector3d, 3>, 2>
 
 std::optional<Crossing> find_crossing(const TriangleMesh& mesh)
 {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-  using Face = Mesh::Face_index;
+  std::vector<Eigen::AlignedBox3d> boxes(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const unsigned int vertex : mesh.triangles[t])
+      boxes[t].extend(mesh.vertices[vertex]);
 
-  Mesh copy;
-  for (const Eigen::Vector3d& x : mesh.vertices)
-    copy.add_vertex({x[0], x[1], x[2]});
-  for (const auto& [a, b, c] : mesh.triangles)
-    copy.add_face(Mesh::Vertex_index(a), Mesh::Vertex_index(b), Mesh::Vertex_index(c));
-
-  std::vector<std::pair<Face, Face>> pairs;
-  CGAL::Polygon_mesh_processing::self_intersections(faces(copy), copy, std::back_inserter(pairs),
-                                                    CGAL::parameters::maximum_number(1));
-  if (pairs.empty())
-    return std::nullopt;
-
-  Crossing crossing{{pairs[0].first.idx(), pairs[0].second.idx()}, {}};
-  std::array<std::array<Eigen::Vector3d, 3>, 2> triangles;
-  for (unsigned int side = 0; side < 2; ++side)
-    for (unsigned int i = 0; i < 3; ++i)
-      triangles[side][i] = mesh.vertices[mesh.triangles[crossing.triangles[side]][i]];
-  crossing.position = common_point(triangles);
-  return crossing;
+  struct Found
+  {
+    std::array<unsigned int, 2> triangles;
+  };
+  try
+  {
+    for_overlapping_pairs(boxes,
+                          [&mesh](const unsigned int s, const unsigned int t)
+                          {
+                            if (cross(mesh, mesh.triangles[s], mesh.triangles[t]))
+                              throw Found{{s, t}};
+                          });
+  }
+  catch (const Found& found)
+  {
+    std::array<std::array<Eigen::Vector3d, 3>, 2> triangles;
+    for (unsigned int side = 0; side < 2; ++side)
+      for (unsigned int i = 0; i < 3; ++i)
+        triangles[side][i] = mesh.vertices[mesh.triangles[found.triangles[side]][i]];
+    return Crossing{found.triangles, common_point(triangles)};
+  }
+  return std::nullopt;
 }
 } // namespace kedge

@@ -21,7 +21,7 @@ struct StageEstimate
 /// around them, where their prescribed motion takes them; what they refine as they move and the soil's motion are left
 /// out. Counting stops before a level of refinement that would hold more than `most_particles`. Time and memory come
 /// from rates measured on one core of a server; they tell minutes from hours, no more.
-std::vector<StageEstimate> estimate_cost(const Input& input, double most_particles = 1e6);
+std::vector<StageEstimate> estimate_cost(const Input& input, double most_particles = 2e5);
 
 /// The table that `kedge check` prints.
 std::string format_estimate(const Input& input, const std::vector<StageEstimate>& stages);
