@@ -1,4 +1,5 @@
 #include "overlapping_boxes.h"
+#include "surface_crossing.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -269,13 +270,20 @@ void check_orientation(const TriangleMesh& mesh, const Refusal& refuse)
 }
 } // namespace
 
-void check_surface(const TriangleMesh& mesh, const std::string& path, const std::string& name, double resolution)
+void check_connections(const TriangleMesh& mesh, const std::string& path, const std::string& name,
+                       const double resolution)
 {
   const Refusal refuse{path, name};
   check_triangles(mesh, resolution, refuse);
   const std::vector<Side> sides = sorted_sides(mesh);
   check_edges(mesh, sides, refuse);
   check_vertices(mesh, sides, refuse);
+}
+
+void check_surface(const TriangleMesh& mesh, const std::string& path, const std::string& name, double resolution)
+{
+  const Refusal refuse{path, name};
+  check_connections(mesh, path, name, resolution);
   if (const std::optional<Crossing> crossing = find_crossing(mesh))
     refuse(fmt::format("crosses itself at {} (triangles {} and {})", at(crossing->position), crossing->triangles[0] + 1,
                        crossing->triangles[1] + 1),

@@ -1,10 +1,11 @@
+#include "surface_crossing.h"
+
 #include "overlapping_boxes.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/intersections.h>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <kedge/bodies/surface.h>
 #include <limits>
 
 namespace kedge
@@ -92,6 +93,29 @@ Eigen::Vector3d common_point(const std::array<std::array<Eigen::Vector3d, 3>, 2>
     }
   return best;
 }
+/// The first pair of overlapping boxes that fulfils a condition.
+std::optional<std::array<unsigned int, 2>> first_pair(const std::vector<Eigen::AlignedBox3d>& boxes,
+                                                      const std::function<bool(unsigned int, unsigned int)>& condition)
+{
+  struct Found
+  {
+    std::array<unsigned int, 2> pair;
+  };
+  try
+  {
+    for_overlapping_pairs(boxes,
+                          [&condition](const unsigned int i, const unsigned int j)
+                          {
+                            if (condition(i, j))
+                              throw Found{{i, j}};
+                          });
+  }
+  catch (const Found& found)
+  {
+    return found.pair;
+  }
+  return std::nullopt;
+}
 } // namespace
 
 std::optional<Crossing> find_crossing(const TriangleMesh& mesh)
@@ -101,27 +125,38 @@ std::optional<Crossing> find_crossing(const TriangleMesh& mesh)
     for (const unsigned int vertex : mesh.triangles[t])
       boxes[t].extend(mesh.vertices[vertex]);
 
-  struct Found
+  const auto found = first_pair(boxes, [&mesh](const unsigned int s, const unsigned int t)
+                                { return cross(mesh, mesh.triangles[s], mesh.triangles[t]); });
+  if (!found)
+    return std::nullopt;
+  std::array<std::array<Eigen::Vector3d, 3>, 2> triangles;
+  for (unsigned int side = 0; side < 2; ++side)
+    for (unsigned int i = 0; i < 3; ++i)
+      triangles[side][i] = mesh.vertices[mesh.triangles[(*found)[side]][i]];
+  return Crossing{*found, common_point(triangles)};
+}
+
+std::optional<std::array<unsigned int, 2>> find_touching_sides(const std::vector<std::array<double, 2>>& outline)
+{
+  const std::size_t n = outline.size();
+  const auto corner = [&](const std::size_t i) { return Kernel::Point_2(outline[i % n][0], outline[i % n][1]); };
+  std::vector<Eigen::AlignedBox3d> boxes(n);
+  for (std::size_t i = 0; i < n; ++i)
+    for (const auto& x : {outline[i], outline[(i + 1) % n]})
+      boxes[i].extend(Eigen::Vector3d(x[0], x[1], 0.));
+
+  const auto folds_back = [&](const std::size_t i)
   {
-    std::array<unsigned int, 2> triangles;
+    const Kernel::Point_2 a = corner(i), b = corner(i + 1), c = corner(i + 2);
+    return CGAL::collinear(a, b, c) && CGAL::angle(a, b, c) == CGAL::ACUTE;
   };
-  try
-  {
-    for_overlapping_pairs(boxes,
-                          [&mesh](const unsigned int s, const unsigned int t)
-                          {
-                            if (cross(mesh, mesh.triangles[s], mesh.triangles[t]))
-                              throw Found{{s, t}};
-                          });
-  }
-  catch (const Found& found)
-  {
-    std::array<std::array<Eigen::Vector3d, 3>, 2> triangles;
-    for (unsigned int side = 0; side < 2; ++side)
-      for (unsigned int i = 0; i < 3; ++i)
-        triangles[side][i] = mesh.vertices[mesh.triangles[found.triangles[side]][i]];
-    return Crossing{found.triangles, common_point(triangles)};
-  }
-  return std::nullopt;
+  return first_pair(boxes,
+                    [&](const unsigned int i, const unsigned int j)
+                    {
+                      if ((i + 1) % n == j || (j + 1) % n == i)
+                        return ((i + 1) % n == j && folds_back(i)) || ((j + 1) % n == i && folds_back(j));
+                      return CGAL::do_intersect(Kernel::Segment_2(corner(i), corner(i + 1)),
+                                                Kernel::Segment_2(corner(j), corner(j + 1)));
+                    });
 }
 } // namespace kedge

@@ -1,3 +1,4 @@
+#include "surface_crossing.h"
 #include "surface_edges.h"
 
 #include <algorithm>
@@ -62,12 +63,6 @@ std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& poly
   return triangles;
 }
 
-/// Whether the segments a-b and c-d cross in a point inside both.
-bool cross(const Point& a, const Point& b, const Point& c, const Point& d)
-{
-  return turn(a, b, c) * turn(a, b, d) < 0. && turn(c, d, a) * turn(c, d, b) < 0.;
-}
-
 std::string text_of(const Point& x) { return fmt::format("[{:.6g}, {:.6g}]", x[0], x[1]); }
 
 double distance(const Point& a, const Point& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
@@ -100,12 +95,16 @@ void check_outline(const std::vector<Point>& outline, const std::string& json_pa
     if (a == b)
       throw InputError(json_path, "the outline repeats the point " + text_of(a),
                        "remove one; the outline closes by itself");
-    for (std::size_t j = i + 2; j < n; ++j)
-      if (cross(a, b, outline[j], outline[(j + 1) % n]))
-        throw InputError(json_path,
-                         fmt::format("the outline crosses itself: the side from {} to {} and the side from {} to {}",
-                                     text_of(a), text_of(b), text_of(outline[j]), text_of(outline[(j + 1) % n])),
-                         "order the points along the outline");
+  }
+  if (const auto touching = find_touching_sides(outline))
+  {
+    const auto [i, j] = *touching;
+    throw InputError(
+        json_path,
+        fmt::format("the outline crosses or touches itself: the side from {} to {} and the side from {} to {}",
+                    text_of(outline[i]), text_of(outline[(i + 1) % n]), text_of(outline[j]),
+                    text_of(outline[(j + 1) % n])),
+        "order the points along the outline and remove points that lie on another side");
   }
 }
 } // namespace
@@ -188,8 +187,7 @@ TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::strin
     polygon.assign(outline.rbegin(), outline.rend());
   const std::vector<std::array<unsigned int, 3>> cap = cut_ears(polygon);
   if (cap.size() + 2 != n)
-    throw InputError(json_path, "the outline touches itself or encloses no area",
-                     "order the points along the outline and remove points that lie on another side");
+    throw InputError(json_path, "the outline encloses next to no area", "move its points apart");
 
   // An inner point is no farther from the sides than `size`, so caps at this distance are never nearest.
   const double half_width = 4. * size;
@@ -211,7 +209,7 @@ TriangleMesh extrude_outline(const std::vector<Point>& outline, const std::strin
     mesh.triangles.push_back({front(a), front(b), front(c)});
     mesh.triangles.push_back({back(a), back(c), back(b)});
   }
-  check_surface(mesh, json_path, "the extruded outline");
+  check_connections(mesh, json_path, "the extruded outline");
   return mesh;
 }
 } // namespace kedge

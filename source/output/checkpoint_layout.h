@@ -7,7 +7,7 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of the contents.
-constexpr int format_version = 7;
+constexpr int format_version = 8;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields

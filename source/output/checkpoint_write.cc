@@ -40,6 +40,7 @@ nlohmann::json to_json(const RunProgress& progress, const long long deleted)
           {"step", progress.step},
           {"steps in stage", progress.steps_in_stage},
           {"deleted", deleted},
+          {"overshoots", progress.overshoots},
           {"has warned of window", progress.has_warned_of_window},
           {"summary", progress.summary}};
 }

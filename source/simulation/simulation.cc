@@ -123,6 +123,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 /// The next step does not go on as the last one did.
 template <int dim> void Simulation<dim>::forget_motion()
 {
+  overshoots = 0.;
   soil.forget_prediction();
   for (RigidPoint& point : bodies.points)
     point.last_increment.setZero();
@@ -206,7 +207,9 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
   {
     if (!step)
       prepare_step();
-    return step->solve(load_at(clock));
+    NewtonReport report = step->solve(load_at(clock));
+    overshoots = report.overshoots;
+    return report;
   }
   catch (const SolverError& error)
   {
@@ -305,8 +308,11 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 
 template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
-  return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
-                        stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
+  StepLoad load =
+      kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
+                     stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
+  load.overshoots = overshoots;
+  return load;
 }
 
 /// Makes the trial state of soil and bodies the committed one.

@@ -20,6 +20,9 @@ constexpr double hopeless = 1e8;        // growth of the residual since the star
 /// most of the work remains. A damped direction that allows only steps below `least_damped_step` is given up.
 constexpr double most_damping = 0.1, first_damping = 0.03, least_damping = 1e-5, least_damped_step = 0.05;
 constexpr double damping_raise = 10., damping_ease = 0.6, damping_drop = 0.3;
+/// Share of the last steps whose first correction was too long from which on the next one is damped at once, and what a
+/// step that was damped leaves of that share: after eight of them one shows whether it still needs to be.
+constexpr double many_overshoots = 0.6, overshoots_kept = 0.972;
 
 /// Choice 2 of Eisenstat & Walker with gamma = 0.9 and exponent 2, but no tighter than the target requires.
 double choose_linear_tolerance(const std::vector<double>& residuals, const double previous, const double target)
@@ -36,6 +39,14 @@ double choose_linear_tolerance(const std::vector<double>& residuals, const doubl
   // A residual far below the target is wasted work. A tenth of the target leaves room for the nonlinear part.
   tolerance = std::max(tolerance, 0.1 * target / now);
   return std::clamp(tolerance, tightest, loosest);
+}
+
+/// Share of too long first corrections, when that of a step with `damping` went `step` of its length.
+double overshoots_after(const double overshoots, const double damping, const double step)
+{
+  if (step < 1.)
+    return 0.5 * (overshoots + 1.);
+  return damping > 0. ? overshoots_kept * overshoots : 0.5 * overshoots;
 }
 
 /// A point x - step dx of a line search: the measure of its residual, and the work of the residual along dx.
@@ -131,9 +142,10 @@ std::string reason_to_give_up(const NewtonReport& report, const double measure, 
 } // namespace
 
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
-                          const std::optional<NewtonStart>& start)
+                          const std::optional<NewtonStart>& start, const double overshoots)
 {
   NewtonReport report;
+  report.overshoots = overshoots;
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
   const double target = parameters.target();
   // What residuals are compared with may follow the solution, but never within a line search.
@@ -143,7 +155,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     Tpetra::deep_copy(residual, start->residual);
   double measure = renewed(start ? start->measure : problem.residual(x, residual));
   report.residuals.push_back(measure);
-  double linear_tolerance = loosest, damping = 0., lowest = measure;
+  double linear_tolerance = loosest, damping = overshoots > many_overshoots ? most_damping : 0., lowest = measure;
   unsigned int without_progress = 0;
   while (!(measure < target))
   {
@@ -184,6 +196,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       step = shortens    ? shorten_step(at, step, measure)
              : work > 0. ? search_line(at, step, {0., measure, work})
                          : halve_step(at, step, highest);
+    if (report.iterations == 1)
+      report.overshoots = overshoots_after(overshoots, damping, step.step);
     damping = adapt_damping(damping, {0., measure, work}, step);
     // The last point at which the search evaluated the residual is the one that it returns.
     Tpetra::deep_copy(x, trial);

@@ -127,7 +127,7 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   context.soil.contact().reset_multipliers();
   keep_unbalanced();
   const std::optional<NewtonStart> start = choose_start(problem);
-  NewtonReport report = solve_newton(problem, *increment, context.solver, start);
+  NewtonReport report = solve_newton(problem, *increment, context.solver, start, load.overshoots);
   double factor = 1., excess = context.soil.contact().excess();
   for (unsigned int round = 0; report.converged && excess > 1.; ++round)
   {

@@ -352,6 +352,10 @@ TEST(Outline, BadOutlinesAreRefused)
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}, {1., 0.}, {1., 1.}}, "outline"), InputError);
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 1.}, {1., 0.}, {0., 1.}}, "outline"), InputError);
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}, {2., 0.}}, "outline"), InputError);
+  // a corner on another side, a corner on another corner, a side that folds back
+  EXPECT_THROW(extrude_outline({{0., 0.}, {2., 0.}, {2., 1.}, {1., 0.}, {0., 1.}}, "outline"), InputError);
+  EXPECT_THROW(extrude_outline({{0., 0.}, {1., 1.}, {2., 0.}, {2., 2.}, {1., 1.}, {0., 2.}}, "outline"), InputError);
+  EXPECT_THROW(extrude_outline({{0., 0.}, {2., 0.}, {1., 0.}, {1., 1.}}, "outline"), InputError);
 }
 } // namespace
 } // namespace kedge

@@ -17,6 +17,7 @@ struct Scalar
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
   double least_solvable_damping = 0.;
+  double overshoots = 0.;                   ///< of the problems so far
   std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
   static Teuchos::RCP<const TpetraMap> map()
@@ -46,7 +47,9 @@ struct Scalar
       report.escalations = 1;
       return report;
     };
-    return solve_newton(problem, x, parameters);
+    const NewtonReport report = solve_newton(problem, x, parameters, {}, overshoots);
+    overshoots = report.overshoots;
+    return report;
   }
 
   NewtonReport solve_from(const double start, const SolverParameters& parameters, double* end = nullptr)
@@ -138,6 +141,30 @@ TEST(Newton, DampsOnlyAfterAFailedStep)
   EXPECT_GT(hard.dampings[1], 0.);
   for (std::size_t k = 1; k + 1 < hard.dampings.size(); ++k) // full steps from there on
     EXPECT_LE(hard.dampings[k + 1], hard.dampings[k]);
+}
+
+TEST(Newton, BeginsDampedWhereFirstCorrectionsAreTooLong)
+{
+  Scalar hard = arc_tangent();
+  unsigned int damped = 0;
+  std::vector<bool> begins_damped;
+  for (unsigned int step = 0; step < 12; ++step)
+  {
+    const std::size_t first = hard.dampings.size();
+    EXPECT_TRUE(hard.solve_from(3., tight()).converged);
+    begins_damped.push_back(hard.dampings[first] > 0.);
+    damped += begins_damped.back();
+  }
+  EXPECT_EQ(std::vector<bool>(begins_damped.begin(), begins_damped.begin() + 3),
+            std::vector<bool>({false, false, true}));
+  EXPECT_GE(damped, 8u);
+
+  Scalar easy = cubic();
+  easy.overshoots = hard.overshoots;
+  for (unsigned int step = 0; step < 40; ++step)
+    easy.solve_from(3., tight());
+  EXPECT_EQ(easy.dampings.back(), 0.);
+  EXPECT_LT(easy.overshoots, 0.01);
 }
 
 TEST(Newton, LineSearchAvoidsPointsThatAreNotAdmissible)
