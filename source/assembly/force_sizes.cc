@@ -31,19 +31,6 @@ void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet&
       });
 }
 
-void add_point_force_sizes(const unsigned int dim, const PointForces& points, const NodalVector& size)
-{
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), size);
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-  {
-    const double* f = &points.force[3 * i];
-    const double length = std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-    for (unsigned int v = points.begin[i]; length > 0. && v < points.begin[i + 1]; ++v)
-      host(static_cast<std::size_t>(dim) * points.nodes[v]) += points.weights[v] * length;
-  }
-  Kokkos::deep_copy(size, host);
-}
-
 void add_force_sizes(const unsigned int dim, const NodalVector& force, const NodalVector& size)
 {
   Kokkos::parallel_for(

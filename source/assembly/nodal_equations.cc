@@ -42,28 +42,25 @@ unsigned long NodalEquations<dim>::add_force(const NodalVector& increment, const
 }
 
 template <int dim>
-void NodalEquations<dim>::linearise(const NodalVector& increment, const PointForces* const points_,
+void NodalEquations<dim>::linearise(const NodalVector& increment, const PointForces* const points,
                                     const double elastic_share)
 {
   const auto scope = timings.measure("tangent");
   at = increment;
-  points = points_;
+  acting_points = points != nullptr ? gather_acting(*points) : ActingPoints();
   damping = elastic_share;
   if (factorises)
     return;
   force_derivative =
       linearise_force<dim>(data.particles, data.stencils, data.materials, data.cells, elastic_share, force_derivative);
   ghost_derivative = linearise_ghost<dim>(data.ghost_faces, increment);
-  if (points != nullptr)
-    point_derivative = linearise_points(*points);
 }
 
 template <int dim> void NodalEquations<dim>::add_product(const NodalVector& direction, const NodalVector& result) const
 {
   add_linearised_force<dim>(data.stencils, data.cells, force_derivative, direction, result);
   add_linearised_ghost<dim>(data.ghost_faces, ghost_derivative, direction, result);
-  if (points != nullptr)
-    add_linearised_points(dim, point_derivative, -1., direction, result);
+  add_point_products(dim, acting_points, -1., direction, result);
   if (newmark.is_dynamic())
     add_mass_times(graph_of_mass, start.mass, newmark.stiffness_factor(), direction, result);
 }
@@ -71,8 +68,7 @@ template <int dim> void NodalEquations<dim>::add_product(const NodalVector& dire
 /// What all matrices have besides the soil's stiffness, as far as their couplings hold it.
 template <int dim> void NodalEquations<dim>::finish_matrix(System& into) const
 {
-  if (points != nullptr)
-    add_point_tangents(*points, -1., into.graph(), into.values());
+  add_point_tangents(acting_points, -1., into.graph(), into.values());
   add_ghost_matrix<dim>(data.ghost_faces, at, into.graph(), into.values());
   if (newmark.is_dynamic())
     add_mass_matrix(graph_of_mass, start.mass, newmark.stiffness_factor(), into.graph(), into.values());

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <kedge/assembly/kernels.h>
 #include <kedge/assembly/system.h>
@@ -94,55 +93,5 @@ void System::finish_matrix()
             local.values(k) = row == other ? scale : 0.;
         }
       });
-}
-
-void add_point_forces(const unsigned int dim, const PointForces& points, const double sign, const NodalVector& force)
-{
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), force);
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-  {
-    const double* f = &points.force[3 * i];
-    if (f[0] == 0. && f[1] == 0. && f[2] == 0.) // most points touch nothing
-      continue;
-    for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
-      for (unsigned int d = 0; d < dim; ++d)
-        host(static_cast<std::size_t>(dim) * points.nodes[v] + d) += sign * points.weights[v] * f[d];
-  }
-  Kokkos::deep_copy(force, host);
-}
-
-void add_point_tangents(const PointForces& points, const double sign, const NodeGraph& graph,
-                        const View<double*>& values)
-{
-  const unsigned int dim = graph.dim;
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
-  const auto row_begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), graph.row_begin);
-  const auto column = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), graph.column);
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-  {
-    const double* tangent = &points.tangent[9 * i];
-    if (std::all_of(tangent, tangent + 9, [](const double entry) { return entry == 0.; })) // most points touch nothing
-      continue;
-    for (unsigned int a = points.begin[i]; a < points.begin[i + 1]; ++a)
-    {
-      const std::size_t begin = row_begin(points.nodes[a]), end = row_begin(points.nodes[a] + 1);
-      double* row = host.data() + std::size_t(dim) * dim * begin;
-      const auto find_position = [&](const unsigned int node, const unsigned int otherwise)
-      {
-        const unsigned int *first = column.data() + begin, *last = column.data() + end;
-        const unsigned int* at = std::lower_bound(first, last, node);
-        return (at != last && *at == node ? at : std::lower_bound(first, last, otherwise)) - first;
-      };
-      for (unsigned int b = points.begin[i]; b < points.begin[i + 1]; ++b)
-      {
-        const std::size_t position = find_position(points.nodes[b], points.nodes[a]);
-        const double factor = sign * points.weights[a] * points.weights[b];
-        for (unsigned int c = 0; c < dim; ++c)
-          for (unsigned int e = 0; e < dim; ++e)
-            row[dim * (c * (end - begin) + position) + e] += factor * tangent[3 * c + e];
-      }
-    }
-  }
-  Kokkos::deep_copy(values, host);
 }
 } // namespace kedge

@@ -87,7 +87,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
          const NodalVector force = system.make_nodal_vector();
          equations->add_force(step.increment, force);
          if (points != nullptr)
-           add_point_forces(dim, *points, -1., force);
+           add_point_forces(dim, gather_acting(*points), -1., force);
          system.collect(force, residual);
          const auto owned = Kokkos::subview(residual.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
          const NodalVector other = step.other;

@@ -199,15 +199,16 @@ template <int dim> void Simulation<dim>::limit_steps(Clock& clock)
   give_up(clock, nothing);
 }
 
-/// Goes to the end of a step without committing anything; what was prepared survives a cut. Gives up where the
-/// equations cannot even be set up: a smaller step would meet the same.
+/// Commits nothing; what was prepared survives a cut. Gives up where the equations cannot even be set up.
 template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock)
 {
   try
   {
     if (!step)
       prepare_step();
-    NewtonReport report = step->solve(load_at(clock));
+    StepLoad load = load_at(clock);
+    load.overshoots = overshoots;
+    const NewtonReport report = step->solve(load);
     overshoots = report.overshoots;
     return report;
   }
@@ -308,11 +309,8 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 
 template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
-  StepLoad load =
-      kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
-                     stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
-  load.overshoots = overshoots;
-  return load;
+  return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
+                        stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
 }
 
 /// Makes the trial state of soil and bodies the committed one.

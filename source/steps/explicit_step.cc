@@ -1,5 +1,6 @@
 #include <cmath>
 #include <fmt/format.h>
+#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/base/communication.h>
 #include <kedge/steps/explicit_step.h>
@@ -199,9 +200,9 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
   {
     body_increments = motion->increments();
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
-    add_point_forces(
-        dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim), -1.,
-        force);
+    const PointForces& points =
+        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim);
+    add_point_forces(dim, gather_acting(points), -1., force);
     context.soil.contact().follow_path();
   }
   else

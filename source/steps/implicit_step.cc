@@ -1,4 +1,5 @@
 #include <cmath>
+#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/force_sizes.h>
 #include <kedge/assembly/volume_average.h>
 #include <kedge/base/communication.h>
@@ -293,9 +294,9 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-    add_point_forces(
-        dim, context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim), -1.,
-        force);
+    const PointForces& points =
+        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim);
+    add_point_forces(dim, gather_acting(points), -1., force);
   }
   const auto nodal_residual = rigid_unknowns->nodal(r);
   system().collect(force, *nodal_residual);

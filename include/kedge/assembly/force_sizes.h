@@ -2,7 +2,6 @@
 #pragma once
 
 #include <kedge/assembly/internal_force.h>
-#include <kedge/contact/point_forces.h>
 
 namespace kedge
 {
@@ -10,9 +9,6 @@ namespace kedge
 /// those of the last update_stress_and_force(). Opposite forces of neighbours add up.
 template <int dim>
 void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet& stencils, const NodalVector& size);
-
-/// Adds weight * |force| (N) of every point to entry dim * v of `size`.
-void add_point_force_sizes(unsigned int dim, const PointForces& points, const NodalVector& size);
 
 /// Adds the length of every node's part of `force` (dim per local node, N, sums of all ranks or of this one) to entry
 /// dim * v of `size`.

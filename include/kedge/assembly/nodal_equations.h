@@ -2,10 +2,10 @@
 // preconditioner and factorisation. Needs neither a mesh nor bodies.
 #pragma once
 
+#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/inertia.h>
 #include <kedge/assembly/linearised_force.h>
-#include <kedge/assembly/linearised_points.h>
 #include <kedge/assembly/nodal_operator.h>
 #include <kedge/base/report.h>
 #include <kedge/solvers/linear_solver.h>
@@ -51,7 +51,7 @@ public:
 
   /// Takes down the derivative of these forces, less those of `points` (none: null), at the last add_force(), whose
   /// increment it was. For Newton's damping, yielding particles get at least `elastic_share` of their elastic moduli in
-  /// addition. `points` must outlive what the system is used for.
+  /// addition.
   void linearise(const NodalVector& increment, const PointForces* points, double elastic_share);
 
   /// Adds the derivative times `direction` (m) to `result` (N).
@@ -77,10 +77,9 @@ private:
   Newmark newmark;
   // of the last linearisation
   NodalVector at;
-  const PointForces* points = nullptr;
   double damping = 0.;
   LinearisedForce force_derivative;
   LinearisedGhost ghost_derivative;
-  LinearisedPoints point_derivative;
+  ActingPoints acting_points;
 };
 } // namespace kedge

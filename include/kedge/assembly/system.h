@@ -3,7 +3,6 @@
 
 #include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/nodal_exchange.h>
-#include <kedge/contact/point_forces.h>
 
 namespace kedge
 {
@@ -43,11 +42,4 @@ private:
   Teuchos::RCP<TpetraMatrix> owned_matrix;
   View<unsigned char*> constrained_column; ///< per column dof
 };
-
-/// Adds sign * weight * force of every point to the nodal vector `force`.
-void add_point_forces(unsigned int dim, const PointForces& points, double sign, const NodalVector& force);
-
-/// Adds sign * weight_a weight_b tangent to the blocks (a, b) of every point; what a row has no column for goes to its
-/// diagonal.
-void add_point_tangents(const PointForces& points, double sign, const NodeGraph& graph, const View<double*>& values);
 } // namespace kedge

@@ -1,6 +1,7 @@
 #include "block.h"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/deformation.h>
 #include <kedge/solvers/linear_solver.h>
 
@@ -281,12 +282,12 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int j = 0; j < dim; ++j)
       points.tangent[3 * i + j] = -1. - i - 2. * j;
+  points.force.assign(3, 0.);
   this->system->clear_matrix();
-  add_point_tangents(points, -1., this->system->graph(), this->system->values());
+  add_point_tangents(gather_acting(points), -1., this->system->graph(), this->system->values());
   this->system->finish_matrix();
 
   const auto field = this->block->random_field(1., 3);
-  points.force.assign(3, 0.);
   const NodalVector local = this->system->spread(this->block->parts->owned(*this->system, field));
   const auto d = on_host(local);
   for (unsigned int i = 0; i < dim; ++i)
@@ -294,7 +295,7 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
       for (unsigned int v = 0; v < 3; ++v)
         points.force[i] += points.tangent[3 * i + j] * points.weights[v] * d(dim * points.nodes[v] + j);
   const NodalVector force = this->system->make_nodal_vector();
-  add_point_forces(dim, points, -1., force);
+  add_point_forces(dim, gather_acting(points), -1., force);
   TpetraVector expected(this->system->graph().row_map);
   this->system->collect(force, expected);
   expected.update(-1., this->times(this->block->parts->owned(*this->system, field)), 1.);

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+#include <kedge/assembly/acting_points.h>
+#include <kedge/assembly/kernels.h>
+
+namespace kedge
+{
+namespace
+{
+using Policy = Kokkos::RangePolicy<ExecutionSpace>;
+} // namespace
+
+ActingPoints gather_acting(const PointForces& points)
+{
+  const auto is_zero = [](const double entry) { return entry == 0.; };
+  std::vector<unsigned int> begin{0}, nodes;
+  std::vector<double> weights, force, tangent;
+  for (std::size_t i = 0; i < points.n_points(); ++i)
+  {
+    const double *f = &points.force[3 * i], *t = &points.tangent[9 * i];
+    if (std::all_of(f, f + 3, is_zero) && std::all_of(t, t + 9, is_zero)) // most points touch nothing
+      continue;
+    nodes.insert(nodes.end(), points.nodes.begin() + points.begin[i], points.nodes.begin() + points.begin[i + 1]);
+    weights.insert(weights.end(), points.weights.begin() + points.begin[i],
+                   points.weights.begin() + points.begin[i + 1]);
+    begin.push_back(nodes.size());
+    force.insert(force.end(), f, f + 3);
+    tangent.insert(tangent.end(), t, t + 9);
+  }
+  return {upload(begin, "point begin"), upload(nodes, "point nodes"), upload(weights, "point weights"),
+          upload(force, "point forces"), upload(tangent, "point tangents")};
+}
+
+void add_point_forces(const unsigned int dim, const ActingPoints& points, const double sign, const NodalVector& force)
+{
+  Kokkos::parallel_for(
+      "point forces", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          for (unsigned int d = 0; d < dim; ++d)
+            add_to(force(static_cast<std::size_t>(dim) * points.nodes(v) + d),
+                   sign * points.weights(v) * points.force(3 * i + d));
+      });
+}
+
+void add_point_force_sizes(const unsigned int dim, const ActingPoints& points, const NodalVector& size)
+{
+  Kokkos::parallel_for(
+      "sizes of point forces", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+        double square = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          square += points.force(3 * i + d) * points.force(3 * i + d);
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          add_to(size(static_cast<std::size_t>(dim) * points.nodes(v)), points.weights(v) * std::sqrt(square));
+      });
+}
+
+void add_point_products(const unsigned int dim, const ActingPoints& points, const double sign,
+                        const NodalVector& direction, const NodalVector& force)
+{
+  Kokkos::parallel_for(
+      "point products", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+        double u[3] = {0., 0., 0.};
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          for (unsigned int d = 0; d < dim; ++d)
+            u[d] += points.weights(v) * direction(static_cast<std::size_t>(dim) * points.nodes(v) + d);
+        for (unsigned int d = 0; d < dim; ++d)
+        {
+          double f = 0.;
+          for (unsigned int e = 0; e < dim; ++e)
+            f += points.tangent(9 * i + 3 * d + e) * u[e];
+          for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+            add_to(force(static_cast<std::size_t>(dim) * points.nodes(v) + d), sign * points.weights(v) * f);
+        }
+      });
+}
+
+void add_point_tangents(const ActingPoints& points, const double sign, const NodeGraph& graph,
+                        const View<double*>& values)
+{
+  const unsigned int dim = graph.dim;
+  const View<std::size_t*> row_begin = graph.row_begin;
+  const View<unsigned int*> column = graph.column;
+  Kokkos::parallel_for(
+      "point tangents", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+        for (unsigned int a = points.begin(i); a < points.begin(i + 1); ++a)
+        {
+          const unsigned int row_node = points.nodes(a);
+          const std::size_t begin = row_begin(row_node), length = row_begin(row_node + 1) - begin;
+          double* const row = &values(std::size_t(dim) * dim * begin);
+          for (unsigned int b = points.begin(i); b < points.begin(i + 1); ++b)
+          {
+            const std::size_t position = find_entry_or_diagonal(row_begin, column, row_node, points.nodes(b)) - begin;
+            const double factor = sign * points.weights(a) * points.weights(b);
+            for (unsigned int c = 0; c < dim; ++c)
+              for (unsigned int e = 0; e < dim; ++e)
+                add_to(row[dim * (c * length + position) + e], factor * points.tangent(9 * i + 3 * c + e));
+          }
+        }
+      });
+}
+} // namespace kedge
