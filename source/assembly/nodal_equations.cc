@@ -42,12 +42,12 @@ unsigned long NodalEquations<dim>::add_force(const NodalVector& increment, const
 }
 
 template <int dim>
-void NodalEquations<dim>::linearise(const NodalVector& increment, const PointForces* const points,
+void NodalEquations<dim>::linearise(const NodalVector& increment, const ActingPoints& points,
                                     const double elastic_share)
 {
   const auto scope = timings.measure("tangent");
   at = increment;
-  acting_points = points != nullptr ? gather_acting(*points) : ActingPoints();
+  acting_points = points;
   damping = elastic_share;
   if (factorises)
     return;

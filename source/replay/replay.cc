@@ -78,7 +78,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
   equations->set_motion(step.motion);
   equations->set_newmark(step.newmark);
   const System& system = equations->system();
-  const PointForces* const points = step.points.n_points() > 0 ? &step.points : nullptr;
+  const ActingPoints points = gather_acting(step.points);
 
   TpetraVector residual(system.graph().row_map);
   time("residual",
@@ -86,8 +86,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
        {
          const NodalVector force = system.make_nodal_vector();
          equations->add_force(step.increment, force);
-         if (points != nullptr)
-           add_point_forces(dim, gather_acting(*points), -1., force);
+         add_point_forces(dim, points, -1., force);
          system.collect(force, residual);
          const auto owned = Kokkos::subview(residual.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
          const NodalVector other = step.other;

@@ -1,7 +1,6 @@
 // How far an implicit step is from balance, and where.
 #include <algorithm>
 #include <cmath>
-#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/force_sizes.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
@@ -23,8 +22,7 @@ template <int dim> void ImplicitStep<dim>::renew_force_measure()
   const NodalVector sizes = system().make_nodal_vector();
   Kokkos::deep_copy(sizes, given_sizes);
   add_internal_force_sizes<dim>(context.soil.particles().arrays(), basis.stencils, sizes);
-  if (context.stage.rigid_bodies)
-    add_point_force_sizes(dim, gather_acting(context.soil.contact().points_of_last_evaluation()), sizes);
+  add_point_force_sizes(dim, acting_points, sizes);
   if (load.newmark.is_dynamic())
   {
     const NodalVector inertia = system().make_nodal_vector();

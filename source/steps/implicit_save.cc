@@ -49,7 +49,7 @@ void ImplicitStep<dim>::save_system(const TpetraVector& r, const TpetraVector& d
   applied.set_motion(saved.motion);
   applied.set_newmark(load.newmark);
   applied.add_force(local_increment, applied.system().make_nodal_vector());
-  applied.linearise(local_increment, saved.points.n_points() > 0 ? &saved.points : nullptr, how.damping);
+  applied.linearise(local_increment, acting_points, how.damping);
   TpetraVector product(applied.system().graph().row_map);
   applied.linear_system().product->apply(*rigid_unknowns->nodal(dx), product);
   saved.product = values_of(product);

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/force_sizes.h>
 #include <kedge/assembly/volume_average.h>
 #include <kedge/base/communication.h>
@@ -294,9 +293,9 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   if (context.stage.rigid_bodies)
   {
     const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
-    const PointForces& points =
-        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim);
-    add_point_forces(dim, gather_acting(points), -1., force);
+    acting_points = gather_acting(
+        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim));
+    add_point_forces(dim, acting_points, -1., force);
   }
   const auto nodal_residual = rigid_unknowns->nodal(r);
   system().collect(force, *nodal_residual);

@@ -25,18 +25,12 @@ template <int dim> void ImplicitStep<dim>::set_up_equations()
   linear_solver.set_structure(equations->linear_system());
 }
 
-/// At the last residual; null without bodies.
-template <int dim> const PointForces* ImplicitStep<dim>::contact_forces() const
-{
-  return context.stage.rigid_bodies ? &context.soil.contact().points_of_last_evaluation() : nullptr;
-}
-
 template <int dim>
 LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const TpetraVector& r, TpetraVector& dx,
                                                  const NewtonSystem& how)
 {
   // the last residual was evaluated here, so the local increment and the contact's tangents are those of x
-  equations->linearise(local_increment, contact_forces(), how.damping);
+  equations->linearise(local_increment, acting_points, how.damping);
   const auto scope = context.timings.measure("linear solver");
   Border border;
   if (!rigid_unknowns->empty())
@@ -60,7 +54,6 @@ LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const Tpet
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void ImplicitStep<dim>::set_up_equations();                                                                 \
-  template const PointForces* ImplicitStep<dim>::contact_forces() const;                                               \
   template LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const TpetraVector&, TpetraVector&,   \
                                                             const NewtonSystem&);
 KEDGE_INSTANTIATE(2)

@@ -49,10 +49,10 @@ public:
   /// the number of particles of this rank whose increment is not admissible.
   unsigned long add_force(const NodalVector& increment, const NodalVector& force) const;
 
-  /// Takes down the derivative of these forces, less those of `points` (none: null), at the last add_force(), whose
+  /// Takes down the derivative of these forces, less those of `points` (maybe none), at the last add_force(), whose
   /// increment it was. For Newton's damping, yielding particles get at least `elastic_share` of their elastic moduli in
   /// addition.
-  void linearise(const NodalVector& increment, const PointForces* points, double elastic_share);
+  void linearise(const NodalVector& increment, const ActingPoints& points, double elastic_share);
 
   /// Adds the derivative times `direction` (m) to `result` (N).
   void add_product(const NodalVector& direction, const NodalVector& result) const;

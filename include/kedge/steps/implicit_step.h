@@ -50,7 +50,6 @@ private:
   double measure(const TpetraVector& r) const;
   void add_given_forces(const NodalVector& force) const;
   void set_up_equations();
-  const PointForces* contact_forces() const;
   LinearReport solve_linearised(const TpetraVector& x, const TpetraVector& r, TpetraVector& dx,
                                 const NewtonSystem& how);
   void save_system(const TpetraVector& r, const TpetraVector& dx, const Border& border, const NewtonSystem& how);
@@ -74,6 +73,7 @@ private:
   double body_weight = 0., body_scale = 0., body_lever = 1.; ///< N, N, m: of residuals of free bodies
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
+  ActingPoints acting_points;           ///< of contact, at the last evaluation
   RigidBalance balance;                 ///< at the last evaluation, where there are free dofs
 };
 } // namespace kedge
