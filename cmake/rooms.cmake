@@ -11,6 +11,12 @@ if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-fopenmp") # its Kokkos has threads
   find_package(OpenMP REQUIRED COMPONENTS CXX)
   target_link_libraries(trilinos INTERFACE OpenMP::OpenMP_CXX)
 endif()
+# One built for NVIDIA's GPUs needs its nvcc_wrapper as compiler here, too, and the same architecture.
+if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-arch=(sm_[0-9]+)")
+  target_compile_options(trilinos INTERFACE --expt-extended-lambda --expt-relaxed-constexpr -arch=${CMAKE_MATCH_1})
+  target_link_options(trilinos INTERFACE -arch=${CMAKE_MATCH_1} -Wl,--as-needed)
+  set(KEDGE_PRECOMPILED OFF)
+endif()
 
 # The same for deal.II, whose own macros would force its flags on every target. From 9.6 on it has a target without
 # them, which knows the include folders of its packages.

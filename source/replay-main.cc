@@ -24,10 +24,15 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
              "Options that begin with --kokkos- go to Kokkos: --kokkos-num-threads=8\n"
              "Exit codes: 0 done, 2 wrong command line, 3 the answers differ, 4 the file could not be read");
   std::string path;
-  unsigned int repetitions = 3;
+  kedge::ReplayOptions options;
   app.add_option("FILE", path, "What \"kedge dump-step\" has written")->required();
-  app.add_option("--repeat", repetitions, "Times that every part is computed; the shortest counts [3]")
+  app.add_option("--repeat", options.repetitions, "Times that every part is computed; the shortest counts [3]")
       ->check(CLI::Range(1, 1000000));
+  app.add_option("--copies", options.copies,
+                 "Computes a system of that many copies of the soil, which share the bodies: as large as a machine can "
+                 "hold, with the same answers [1]")
+      ->check(CLI::Range(1, 1000000));
+  app.add_flag("--kernels", options.times_kernels, "Prints what kernels and copies between host and device take");
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i)
     if (std::string(argv[i]).rfind("--kokkos-", 0) != 0)
@@ -40,7 +45,7 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
   {
     return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
   }
-  const kedge::ReplayReport report = kedge::replay_step(path, repetitions);
+  const kedge::ReplayReport report = kedge::replay_step(path, options);
   const bool agrees = report.residual_difference <= residual_limit && report.product_difference <= product_limit &&
                       report.solution_residual <= tolerance_factor * report.tolerance;
   if (environment.rank() == 0)

@@ -5,6 +5,19 @@
 
 namespace kedge
 {
+namespace
+{
+/// Whether an entry is 1, not 0.
+View<unsigned char*> flags_of(const NodalVector& mark)
+{
+  const View<unsigned char*> flags("constrained", mark.extent(0));
+  Kokkos::parallel_for(
+      "mark constrained", Kokkos::RangePolicy<ExecutionSpace>(0, mark.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t dof) { flags(dof) = mark(dof) > 0.5; });
+  return flags;
+}
+} // namespace
+
 System::System(const unsigned int dim_, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
                const std::vector<unsigned char>& constrained)
     : dim(dim_),
@@ -27,12 +40,7 @@ System::System(const unsigned int dim_, const NodeNumbering& numbering, const st
     for (std::size_t dof = 0; dof < view.extent(0); ++dof)
       view(dof, 0) = constrained[dof];
   }
-  const NodalVector mark = spread(owned_mark);
-  constrained_column = View<unsigned char*>("constrained", mark.extent(0));
-  const auto column = constrained_column;
-  Kokkos::parallel_for(
-      "mark constrained", Kokkos::RangePolicy<ExecutionSpace>(0, mark.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t dof) { column(dof) = mark(dof) > 0.5; });
+  constrained_column = flags_of(spread(owned_mark));
 }
 
 void System::zero_constrained(TpetraVector& owned) const

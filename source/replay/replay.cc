@@ -52,7 +52,15 @@ Border border_of(const SavedStep& step, const Teuchos::RCP<const TpetraMap>& map
   return border;
 }
 
-template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repetitions)
+void add_to_owned(const NodalVector& other, TpetraVector& residual)
+{
+  const auto owned = Kokkos::subview(residual.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
+  Kokkos::parallel_for(
+      "other forces", Kokkos::RangePolicy<ExecutionSpace>(0, owned.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { owned(i) += other(i); });
+}
+
+template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& options)
 {
   const MPI_Comm communicator = step.parts.numbering.communicator;
   ReplayReport report;
@@ -62,9 +70,21 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
   report.tolerance = step.tolerance;
   const auto time = [&](const char* name, const auto& work)
   {
-    const double seconds = shortest(repetitions, communicator, work);
-    report.parts.push_back({name, seconds, ""});
-    return seconds;
+    ReplayedPart part;
+    part.name = name;
+    {
+      const KernelProfiler counter(false);
+      part.seconds = shortest(options.repetitions, communicator, work);
+      part.copied_bytes = copied_bytes(counter.profile()) / options.repetitions;
+    }
+    if (options.times_kernels)
+    {
+      const KernelProfiler profiler(true);
+      work();
+      part.profile = profiler.profile();
+    }
+    report.parts.push_back(part);
+    return part.seconds;
   };
 
   Timings timings;
@@ -88,11 +108,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
          equations->add_force(step.increment, force);
          add_point_forces(dim, points, -1., force);
          system.collect(force, residual);
-         const auto owned = Kokkos::subview(residual.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
-         const NodalVector other = step.other;
-         Kokkos::parallel_for(
-             "other forces", Kokkos::RangePolicy<ExecutionSpace>(0, owned.extent(0)),
-             KOKKOS_LAMBDA(const std::size_t i) { owned(i) += other(i); });
+         add_to_owned(step.other, residual);
          system.zero_constrained(residual);
        });
   report.residual_difference = difference(values_of(residual), step.residual, communicator);
@@ -117,18 +133,20 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
   LinearReport solved;
   const auto solve = [&]
   { solved = solver.solve(residual, rigid_side, border, solution, rigid_solution, step.tolerance); };
-  const double whole = shortest(repetitions, communicator,
-                                [&]
-                                {
-                                  solver.set_structure(linear); // forgets the hierarchy
-                                  solve();
-                                });
+  const double whole = time("hierarchy",
+                            [&]
+                            {
+                              solver.set_structure(linear); // forgets the hierarchy
+                              solve();
+                            });
   report.linear_iterations = solved.iterations;
   if (!solved.converged)
     throw SolverError("the linear system could not be solved", {});
-  const double krylov = shortest(repetitions, communicator, solve); // keeps it
-  report.parts.push_back({"hierarchy", std::max(0., whole - krylov - matrix), ""});
-  report.parts.push_back({"solution", krylov, fmt::format("{} iterations", report.linear_iterations)});
+  const double krylov = time("solution", solve); // keeps the hierarchy
+  report.parts.back().remark = fmt::format("{} iterations", report.linear_iterations);
+  ReplayedPart& hierarchy = report.parts[report.parts.size() - 2]; // without what else was done to build it
+  hierarchy.seconds = std::max(0., whole - krylov - matrix);
+  hierarchy.remark = "its kernels and copies are those of matrix and solution, too";
 
   TpetraVector left(residual, Teuchos::Copy);
   linear.product->apply(solution, left, Teuchos::NO_TRANS, -1., 1.);
@@ -139,38 +157,41 @@ template <int dim> ReplayReport replay(SavedStep& step, const unsigned int repet
 }
 } // namespace
 
-ReplayReport replay_step(const std::string& path, const unsigned int repetitions)
+ReplayReport replay_step(const std::string& path, const ReplayOptions& options)
 {
   const MPI_Comm world = MPI_COMM_WORLD;
   SavedStep step;
   agree(world,
         [&]
         {
-          step = read_step(rank_file(path, world));
+          step = read_step(rank_file(path, world), options.copies);
           if (step.n_ranks != static_cast<unsigned int>(size_of(world)))
             throw FileError(path, fmt::format("was saved by {} ranks and is replayed by as many", step.n_ranks));
         });
-  return step.dim == 2 ? replay<2>(step, repetitions) : replay<3>(step, repetitions);
+  return step.dim == 2 ? replay<2>(step, options) : replay<3>(step, options);
 }
 
 std::string format_replay(const ReplayReport& report, const std::string& back_end)
 {
   std::string text = fmt::format("{}-D, {} material points, {} unknowns; back end {}\n", report.dim, report.n_particles,
                                  report.n_dofs, back_end);
-  text += fmt::format("{:<12}{:>12}{:>18}\n", "part", "seconds", "ns per point");
+  text += fmt::format("{:<12}{:>12}{:>18}{:>12}\n", "part", "seconds", "ns per point", "MB copied");
   double iteration = 0.;
   for (const ReplayedPart& part : report.parts)
   {
     if (part.name != "sparsity" && part.name != "product")
       iteration += part.seconds;
-    text += fmt::format("{:<12}{:>12.4g}{:>18.4g}  {}\n", part.name, part.seconds,
-                        1e9 * part.seconds / report.n_particles, part.remark);
+    text += fmt::format("{:<12}{:>12.4g}{:>18.4g}{:>12.4g}  {}\n", part.name, part.seconds,
+                        1e9 * part.seconds / report.n_particles, 1e-6 * part.copied_bytes, part.remark);
   }
-  text += fmt::format("{:<12}{:>12.4g}{:>18.4g}  without sparsity; the product is part of the solution\n", "iteration",
-                      iteration, 1e9 * iteration / report.n_particles);
+  text += fmt::format("{:<12}{:>12.4g}{:>18.4g}              without sparsity; the product is part of the solution\n",
+                      "iteration", iteration, 1e9 * iteration / report.n_particles);
   text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}\n", report.residual_difference,
                       report.product_difference);
   text += fmt::format("linear residual {:.2g} for a tolerance of {:.2g}\n", report.solution_residual, report.tolerance);
+  for (const ReplayedPart& part : report.parts)
+    if (!part.profile.kernels.empty())
+      text += fmt::format("\n{}\n{}", part.name, format_profile(part.profile, 25));
   return text;
 }
 } // namespace kedge

@@ -149,7 +149,7 @@ void write_step(SavedStep& step, const std::string& path)
       });
 }
 
-SavedStep read_step(const std::string& path)
+SavedStep read_step(const std::string& path, const unsigned int copies)
 {
   TensorReader file(path);
   unsigned int version = 0;
@@ -158,6 +158,8 @@ SavedStep read_step(const std::string& path)
     throw FileError(path, "was written by another version of Kedge");
   SavedStep step;
   transfer(file, step);
+  if (copies > 1)
+    repeat_step(step, copies);
   make_room(step.parts, step.dim);
   return step;
 }

@@ -1,16 +1,26 @@
 // Computes a saved linear system of Newton's method again and times its parts.
 #pragma once
 
+#include <kedge/replay/kernel_profile.h>
 #include <kedge/replay/saved_step.h>
 
 namespace kedge
 {
-/// Seconds that a part takes, the shortest of the repetitions, on the slowest rank.
+struct ReplayOptions
+{
+  unsigned int repetitions = 3;
+  unsigned int copies = 1;    ///< of the soil, which share the bodies: a larger system with the same answers
+  bool times_kernels = false; ///< once more for every part, with a profile
+};
+
+/// A part of the work.
 struct ReplayedPart
 {
   std::string name;
-  double seconds = 0.;
-  std::string remark; ///< maybe empty
+  double seconds = 0.;      ///< the shortest time of the repetitions, on the slowest rank
+  double copied_bytes = 0.; ///< between host and device in each repetition, on this rank
+  std::string remark;       ///< maybe empty
+  KernelProfile profile;    ///< empty unless kernels are timed
 };
 
 /// What a replay has found. Differences are the largest entry's, relative to the largest entry of what was saved.
@@ -25,8 +35,9 @@ struct ReplayReport
   unsigned int linear_iterations = 0;
 };
 
-/// Every part is computed `repetitions` times. Throws FileError and SolverError. Collective.
-ReplayReport replay_step(const std::string& path, unsigned int repetitions);
+/// Every part is computed several times. Throws FileError, SolverError and, where steps of several ranks are to be
+/// copied, InputError. Collective.
+ReplayReport replay_step(const std::string& path, const ReplayOptions& options);
 
 /// A table for people.
 std::string format_replay(const ReplayReport& report, const std::string& back_end);

@@ -34,7 +34,12 @@ std::string rank_file(const std::string& path, MPI_Comm communicator);
 
 /// Throw FileError.
 void write_step(SavedStep& step, const std::string& path);
-SavedStep read_step(const std::string& path);
+SavedStep read_step(const std::string& path, unsigned int copies = 1);
+
+/// Replaces the soil of a step that one rank has saved by `copies` of it, which no force couples but the bodies, all
+/// the same: they move as before, and so does the soil. Before what every stress update writes has its room. Throws
+/// InputError.
+void repeat_step(SavedStep& step, unsigned int copies);
 
 /// The columns or rows of a border on this rank's part of `map`, and back.
 std::vector<double> values_of(const TpetraMultiVector& vectors);

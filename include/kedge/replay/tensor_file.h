@@ -62,7 +62,7 @@ public:
 
   template <typename T> void operator()(const char* name, const std::vector<T>& values)
   {
-    array(name, internal::tensor_type<T>(), {values.size()}, values.size() * sizeof(T), values.data());
+    array(name, internal::tensor_type<T>(), Shape{values.size()}, values.size() * sizeof(T), values.data());
   }
 
   template <typename T, typename... P> void operator()(const char* name, const Kokkos::View<T, P...>& view)
@@ -79,18 +79,18 @@ public:
       for (std::size_t i = 0; i < rows.size(); ++i)
         rows[i] = internal::entry_of(host, i / width, i % width);
     }
-    array(name, internal::tensor_type<Number>(), {n, std::is_arithmetic_v<Number> ? width : sizeof(Number)},
+    array(name, internal::tensor_type<Number>(), Shape{n, std::is_arithmetic_v<Number> ? width : sizeof(Number)},
           n * width * sizeof(Number), rows.data());
   }
 
   template <typename T> std::enable_if_t<std::is_arithmetic_v<T>> operator()(const char* name, const T& value)
   {
-    array(name, internal::tensor_type<T>(), {1}, sizeof(T), &value);
+    array(name, internal::tensor_type<T>(), Shape{1}, sizeof(T), &value);
   }
 
 private:
-  void array(const char* name, const char* type, const std::vector<std::size_t>& shape, std::size_t bytes,
-             const void* data);
+  using Shape = std::vector<std::size_t>;
+  void array(const char* name, const char* type, const Shape& shape, std::size_t bytes, const void* data);
   void begin_numbers();
   void close();
 

@@ -6,31 +6,52 @@
 
 namespace kedge
 {
+/// In which order the nodes of a rank are solved.
+enum class SweepOrder
+{
+  by_number, ///< one after the other: for back ends with one thread
+  by_colour  ///< those of a colour, which no block couples, at once
+};
+
+/// The order that suits the back end.
+SweepOrder sweep_order();
+
+/// The matrix as sweeps read it: blocks off the diagonal by node, column by column, with an idle lane, and the inverses
+/// of diagonal blocks.
+struct NodeBlocks
+{
+  View<int*> row_begin, column;
+  View<float*> blocks, inverse;
+  View<double*> values; ///< of owned nodes, then ghosts, in lanes: what the sweeps work on
+  View<int*> order;     ///< the nodes, colour by colour
+};
+
 /// A forward and a backward sweep over the nodes of a matrix, each of which is solved for its block_size (2 or 3)
 /// unknowns together. Between ranks, values of before the sweeps count. The matrix is held in single precision, which
 /// halves the memory that a sweep reads; vectors are double.
 class BlockGaussSeidel
 {
 public:
-  /// `matrix` has block_size consecutive rows, and columns, per node, all blocks whole.
-  BlockGaussSeidel(const TpetraMatrix& matrix, unsigned int block_size);
+  /// `matrix` has block_size consecutive rows, and columns, per node, the diagonal among them.
+  BlockGaussSeidel(const TpetraMatrix& matrix, unsigned int block_size, SweepOrder order = sweep_order());
+
+  /// Takes the entries of the matrix as they are now; where they are, must not have changed.
+  void renew(const TpetraMatrix& matrix);
 
   /// Improves x as the solution of A x = b. Collective.
   void sweep(const TpetraVector& b, TpetraVector& x) const;
 
-private:
-  template <int size> void copy(const TpetraMatrix& matrix);
-  template <int size> void sweep_blocks(const TpetraVector& b, TpetraVector& x) const;
+  /// Of the sweeps: one if they go by number.
+  std::size_t n_colours() const { return colour_begin.size() - 1; }
 
-  /// Numbers of a column of a block, or of a node in a vector: whole SIMD registers.
-  static constexpr unsigned int lanes = 4;
+private:
+  void set_order(SweepOrder order);
 
   unsigned int block_size;
-  std::size_t n_columns = 0; ///< nodes of the columns
+  std::size_t n_nodes, n_columns; ///< of this rank; nodes of the columns
   Teuchos::RCP<const TpetraMap> column_map;
   Teuchos::RCP<const TpetraImport> importer; ///< null on one rank
-  // host memory: the sweeps go from node to node
-  std::vector<unsigned int> row_begin, column; ///< of blocks off the diagonal, by node
-  std::vector<float> blocks, inverse;          ///< column by column, `lanes` numbers each; inverses of diagonal blocks
+  NodeBlocks held;
+  std::vector<int> colour_begin;
 };
 } // namespace kedge

@@ -1,6 +1,8 @@
 // What the input says about the solvers.
 #pragma once
 
+#include <optional>
+
 namespace kedge::schema
 {
 template <typename T> class Section;
