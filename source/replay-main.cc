@@ -32,7 +32,10 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
                  "Computes a system of that many copies of the soil, which share the bodies: as large as a machine can "
                  "hold, with the same answers [1]")
       ->check(CLI::Range(1, 1000000));
-  app.add_flag("--kernels", options.times_kernels, "Prints what kernels and copies between host and device take");
+  bool times_kernels = false, prints_names = false;
+  app.add_flag("--kernels", times_kernels, "Prints what kernels and copies between host and device take");
+  app.add_flag("--trace", prints_names,
+               "Prints the name of every kernel before it begins: the last one hangs, or dies");
   std::vector<std::string> words;
   for (int i = argc - 1; i > 0; --i)
     if (std::string(argv[i]).rfind("--kokkos-", 0) != 0)
@@ -45,6 +48,9 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
   {
     return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
   }
+  options.watch = prints_names    ? kedge::KernelWatch::names
+                  : times_kernels ? kedge::KernelWatch::time
+                                  : kedge::KernelWatch::none;
   const kedge::ReplayReport report = kedge::replay_step(path, options);
   const bool agrees = report.residual_difference <= residual_limit && report.product_difference <= product_limit &&
                       report.solution_residual <= tolerance_factor * report.tolerance;

@@ -16,6 +16,7 @@ using Clock = std::chrono::steady_clock;
 struct Recording
 {
   KernelProfile profile;
+  bool prints = false;
   std::vector<std::pair<ProfiledKernel*, Clock::time_point>> open; ///< kernels that have begun, the last one innermost
   ProfiledKernel* copy = nullptr;                                  ///< the present one, if it is between memory spaces
   Clock::time_point copy_begin;
@@ -38,6 +39,8 @@ void begin_kernel(const char* name, std::uint32_t, std::uint64_t* id)
 {
   *id = 0;
   Kokkos::fence();
+  if (recording().prints)
+    fmt::print(stderr, "{}\n", name);
   recording().open.emplace_back(&recording().profile.kernels[name], Clock::now());
 }
 
@@ -54,7 +57,8 @@ void begin_copy(Kokkos_Profiling_SpaceHandle to, const char* label, const void*,
                 const char* from_label, const void*, const std::uint64_t bytes)
 {
   Recording& at = recording();
-  if (std::strcmp(to.name, from.name) == 0)
+  const bool is_fill = std::strcmp(from_label, "Scalar") == 0; // by one number, which is all that crosses
+  if (is_fill || std::strcmp(to.name, from.name) == 0)
     return;
   at.copy = &at.profile.copies[fmt::format("{} to {}: {} to {}", from.name, to.name, from_label, label)];
   at.copy->bytes += static_cast<double>(bytes);
@@ -82,13 +86,14 @@ std::string table(const std::map<std::string, ProfiledKernel>& entries, const st
 }
 } // namespace
 
-KernelProfiler::KernelProfiler(const bool times_kernels)
+KernelProfiler::KernelProfiler(const KernelWatch watch)
 {
   using namespace Kokkos::Tools::Experimental;
   recording() = Recording();
+  recording().prints = watch == KernelWatch::names;
   set_begin_deep_copy_callback(begin_copy);
   set_end_deep_copy_callback(end_copy);
-  if (!times_kernels)
+  if (watch == KernelWatch::none)
     return;
   set_begin_parallel_for_callback(begin_kernel);
   set_end_parallel_for_callback(end_kernel);

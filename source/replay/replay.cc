@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
@@ -68,20 +69,26 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   report.n_particles = sum_over_ranks(static_cast<long long>(step.parts.particles.n), communicator);
   report.n_dofs = sum_over_ranks(static_cast<long long>(dim) * step.parts.numbering.n_owned, communicator);
   report.tolerance = step.tolerance;
+  const auto say = [&](const auto& text, const auto& word)
+  {
+    if (rank_of(communicator) == 0)
+      fmt::print(stderr, fmt::runtime(std::string(text) + "\n"), word);
+  };
   const auto time = [&](const char* name, const auto& work)
   {
     ReplayedPart part;
     part.name = name;
+    say("{} ...", name); // who waits in vain knows for what
+    if (options.watch != KernelWatch::none)
     {
-      const KernelProfiler counter(false);
-      part.seconds = shortest(options.repetitions, communicator, work);
-      part.copied_bytes = copied_bytes(counter.profile()) / options.repetitions;
-    }
-    if (options.times_kernels)
-    {
-      const KernelProfiler profiler(true);
+      const KernelProfiler profiler(options.watch);
       work();
       part.profile = profiler.profile();
+    }
+    {
+      const KernelProfiler counter(KernelWatch::none);
+      part.seconds = shortest(options.repetitions, communicator, work);
+      part.copied_bytes = copied_bytes(counter.profile()) / options.repetitions;
     }
     report.parts.push_back(part);
     return part.seconds;
@@ -112,6 +119,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
          system.zero_constrained(residual);
        });
   report.residual_difference = difference(values_of(residual), step.residual, communicator);
+  say("differs by {:.2g} from what was saved", report.residual_difference);
 
   time("tangent", [&] { equations->linearise(step.increment, points, step.elastic_share); });
   LinearSystem linear = equations->linear_system();
@@ -121,32 +129,51 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
     time("product", [&] { linear.product->apply(*saved, product); });
   }
   report.product_difference = difference(values_of(product), step.product, communicator);
+  say("differs by {:.2g} from what was saved", report.product_difference);
 
   const double matrix = time("matrix", [&] { linear.near(); });
   const Border border = border_of(step, system.graph().row_map);
   const Eigen::VectorXd rigid_side = Eigen::Map<const Eigen::VectorXd>(step.rigid_side.data(), step.rigid_side.size());
-  SolverParameters parameters;
-  parameters.linear_solver = LinearSolverChoice::iterative;
-  LinearSolver solver(parameters, dim);
   TpetraVector solution(system.graph().row_map);
   Eigen::VectorXd rigid_solution;
-  LinearReport solved;
-  const auto solve = [&]
-  { solved = solver.solve(residual, rigid_side, border, solution, rigid_solution, step.tolerance); };
-  const double whole = time("hierarchy",
+  const auto make_solver = [&](const bool reuse)
+  {
+    SolverParameters parameters;
+    parameters.linear_solver = LinearSolverChoice::iterative;
+    parameters.reuse = reuse;
+    auto solver = std::make_unique<LinearSolver>(parameters, dim);
+    solver->set_structure(linear);
+    return solver;
+  };
+  const auto solve = [&](LinearSolver& solver)
+  {
+    const LinearReport solved = solver.solve(residual, rigid_side, border, solution, rigid_solution, step.tolerance);
+    if (!solved.converged)
+      throw SolverError("the linear system could not be solved", {});
+    report.linear_iterations = solved.iterations;
+  };
+  // A solver that keeps no hierarchy as it is renews it in every solution.
+  auto solver = make_solver(false);
+  const double first = time("hierarchy",
                             [&]
                             {
-                              solver.set_structure(linear); // forgets the hierarchy
-                              solve();
+                              solver->set_structure(linear); // forgets the hierarchy
+                              solve(*solver);
                             });
-  report.linear_iterations = solved.iterations;
-  if (!solved.converged)
-    throw SolverError("the linear system could not be solved", {});
-  const double krylov = time("solution", solve); // keeps the hierarchy
+  const double renewed = time("renewal", [&] { solve(*solver); });
+  solver.reset(); // its memory first
+  solver = make_solver(true);
+  solve(*solver);
+  const double krylov = time("solution", [&] { solve(*solver); });
   report.parts.back().remark = fmt::format("{} iterations", report.linear_iterations);
-  ReplayedPart& hierarchy = report.parts[report.parts.size() - 2]; // without what else was done to build it
-  hierarchy.seconds = std::max(0., whole - krylov - matrix);
-  hierarchy.remark = "its kernels and copies are those of matrix and solution, too";
+  // Both without what else was done for them.
+  for (const auto& [name, whole] : {std::make_pair("hierarchy", first), std::make_pair("renewal", renewed)})
+  {
+    ReplayedPart& part = *std::find_if(report.parts.begin(), report.parts.end(),
+                                       [&, name = name](const ReplayedPart& one) { return one.name == name; });
+    part.seconds = std::max(0., whole - krylov - matrix);
+    part.remark = "copies and kernels are those of matrix and solution, too";
+  }
 
   TpetraVector left(residual, Teuchos::Copy);
   linear.product->apply(solution, left, Teuchos::NO_TRANS, -1., 1.);
@@ -176,16 +203,23 @@ std::string format_replay(const ReplayReport& report, const std::string& back_en
   std::string text = fmt::format("{}-D, {} material points, {} unknowns; back end {}\n", report.dim, report.n_particles,
                                  report.n_dofs, back_end);
   text += fmt::format("{:<12}{:>12}{:>18}{:>12}\n", "part", "seconds", "ns per point", "MB copied");
-  double iteration = 0.;
+  double both = 0., hierarchy = 0., renewal = 0.;
   for (const ReplayedPart& part : report.parts)
   {
-    if (part.name != "sparsity" && part.name != "product")
-      iteration += part.seconds;
+    if (part.name == "hierarchy")
+      hierarchy = part.seconds;
+    else if (part.name == "renewal")
+      renewal = part.seconds;
+    else if (part.name != "sparsity" && part.name != "product")
+      both += part.seconds;
     text += fmt::format("{:<12}{:>12.4g}{:>18.4g}{:>12.4g}  {}\n", part.name, part.seconds,
                         1e9 * part.seconds / report.n_particles, 1e-6 * part.copied_bytes, part.remark);
   }
-  text += fmt::format("{:<12}{:>12.4g}{:>18.4g}              without sparsity; the product is part of the solution\n",
-                      "iteration", iteration, 1e9 * iteration / report.n_particles);
+  for (const auto& [name, seconds, remark] :
+       {std::make_tuple("first", both + hierarchy, "iteration of a step, without sparsity and renewal"),
+        std::make_tuple("iteration", both + renewal, "a later one; the product is part of the solution")})
+    text += fmt::format("{:<12}{:>12.4g}{:>18.4g}              {}\n", name, seconds, 1e9 * seconds / report.n_particles,
+                        remark);
   text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}\n", report.residual_difference,
                       report.product_difference);
   text += fmt::format("linear residual {:.2g} for a tolerance of {:.2g}\n", report.solution_residual, report.tolerance);

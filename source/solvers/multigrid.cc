@@ -95,6 +95,27 @@ void make_generic(TpetraMatrix& matrix)
         values(k) = values(k) == 0. ? tiny * (1. + share) : values(k) * (1. + noise * share);
       });
 }
+/// Opens what MueLu keeps to itself.
+struct OpenHierarchy : MueLu::Hierarchy<double, LocalOrdinal, GlobalOrdinal, TpetraNode>
+{
+  using Closed = MueLu::Hierarchy<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
+  static Teuchos::RCP<const MueLu::FactoryManagerBase> manager_of_level(const Closed& hierarchy, const int level)
+  {
+    return (hierarchy.*(&OpenHierarchy::GetLevelManager))(level);
+  }
+};
+
+/// Makes the next setup multiply coarse matrices anew instead of into those it has: with threads at work Trilinos 13
+/// does the latter on the host, one row after the other.
+void forget_products(MueLu::Hierarchy<double, LocalOrdinal, GlobalOrdinal, TpetraNode>& hierarchy)
+{
+  for (int level = 1; level < hierarchy.GetNumLevels(); ++level)
+  {
+    const auto factory = OpenHierarchy::manager_of_level(hierarchy, level)->GetFactory("A");
+    for (const char* const name : {"AP reuse data", "RAP reuse data"})
+      hierarchy.GetLevel(level)->Delete(name, factory.get());
+  }
+}
 } // namespace
 
 struct Multigrid::Implementation
@@ -164,6 +185,8 @@ bool Multigrid::renew()
   Implementation& at = *implementation;
   try
   {
+    if (sweep_order() == SweepOrder::by_colour)
+      forget_products(*at.hierarchy->GetHierarchy());
     MueLu::ReuseTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(at.matrix, *at.hierarchy);
   }
   catch (const std::exception&)

@@ -17,8 +17,8 @@ struct CellGroups
   View<double*> pressure;      ///< mean stress that acts on the nodes, per volume change, Pa
   View<double*> spring;        ///< between the volume changes of the particles of a cell, Pa
 
-  bool empty() const { return particle_begin.extent(0) == 0; }
-  std::size_t n_cells() const { return empty() ? 0 : particle_begin.extent(0) - 1; }
+  KEDGE_FUNCTION bool empty() const { return particle_begin.extent(0) == 0; }
+  KEDGE_FUNCTION std::size_t n_cells() const { return empty() ? 0 : particle_begin.extent(0) - 1; }
 };
 
 /// `leaf_of_particle` must be the one from which the stencils were built. In a leaf that is not full (`is_full`, by

@@ -14,18 +14,25 @@ struct ProfiledKernel
   double bytes = 0.; ///< of copies
 };
 
+/// What is done with kernels.
+enum class KernelWatch
+{
+  none,  ///< only copies are counted
+  time,  ///< every kernel is waited for: work that host and device would do at once comes one after the other
+  names, ///< in addition each name is printed to stderr before the kernel begins: the last one hangs, or dies
+};
+
 /// By name: kernels; copies from one memory space to another (not those within one).
 struct KernelProfile
 {
   std::map<std::string, ProfiledKernel> kernels, copies;
 };
 
-/// Counts copies between memory spaces and, if `times_kernels`, times every kernel, which it then waits for: work that
-/// host and device would do at once comes one after the other. One at a time in a program.
+/// Counts copies between memory spaces and watches kernels. One at a time in a program.
 class KernelProfiler
 {
 public:
-  explicit KernelProfiler(bool times_kernels);
+  explicit KernelProfiler(KernelWatch watch);
   ~KernelProfiler();
   KernelProfiler(const KernelProfiler&) = delete;
   KernelProfiler& operator=(const KernelProfiler&) = delete;

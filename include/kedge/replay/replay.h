@@ -9,8 +9,9 @@ namespace kedge
 struct ReplayOptions
 {
   unsigned int repetitions = 3;
-  unsigned int copies = 1;    ///< of the soil, which share the bodies: a larger system with the same answers
-  bool times_kernels = false; ///< once more for every part, with a profile
+  unsigned int copies = 1; ///< of the soil, which share the bodies: a larger system with the same answers
+  /// If not none, every part is computed once more, before it is timed.
+  KernelWatch watch = KernelWatch::none;
 };
 
 /// A part of the work.

@@ -16,4 +16,10 @@ struct Border
 
   bool empty() const { return corner.size() == 0; }
 };
+
+/// B^T x, the same on all ranks. Collective.
+Eigen::VectorXd multiply_rows(const Border& border, const TpetraMultiVector& x);
+
+/// x += factor * C y
+void add_columns(const Border& border, double factor, const Eigen::VectorXd& y, TpetraMultiVector& x);
 } // namespace kedge
