@@ -148,8 +148,10 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   const auto solve = [&](LinearSolver& solver)
   {
     const LinearReport solved = solver.solve(residual, rigid_side, border, solution, rigid_solution, step.tolerance);
-    if (!solved.converged)
-      throw SolverError("the linear system could not be solved", {});
+    if (!solved.converged || solved.method == "UMFPACK")
+      throw SolverError(solved.trouble.empty() ? "the linear system could not be solved by iteration"
+                                               : "no multigrid hierarchy: " + solved.trouble,
+                        {});
     report.linear_iterations = solved.iterations;
   };
   // A solver that keeps no hierarchy as it is renews it in every solution.

@@ -92,14 +92,14 @@ struct LinearSolver::Implementation
     return !hierarchy.is_null() && parameters.reuse && !strong_hierarchy && expected_waste < worth_a_rebuild;
   }
 
-  /// Returns false if there is none.
-  bool build_hierarchy(const bool strong)
+  /// Returns false if there is none; then `trouble` says why.
+  bool build_hierarchy(const bool strong, std::string& trouble)
   {
     const auto matrix = system.near();
     if (!hierarchy.is_null() && !strong && !strong_hierarchy && hierarchy->renew())
       return true;
     hierarchy = Teuchos::null; // its memory first
-    hierarchy = Multigrid::build(matrix, system.near_null_space, block_size, strong);
+    hierarchy = Multigrid::build(matrix, system.near_null_space, block_size, strong, trouble);
     strong_hierarchy = strong;
     return !hierarchy.is_null();
   }
@@ -193,6 +193,7 @@ struct LinearSolver::Implementation
     const unsigned int limit = parameters.max_linear_iterations;
     LinearReport report;
     unsigned int iterations = 0;
+    std::string trouble;
     const double e_folds = -std::log(tolerance);
     // The present hierarchy gets only as many iterations as are cheaper than a new one.
     if (keeps_hierarchy())
@@ -205,7 +206,7 @@ struct LinearSolver::Implementation
     for (const bool strong : {false, true})
       if (!report.converged)
       {
-        if (!build_hierarchy(strong))
+        if (!build_hierarchy(strong, trouble))
           continue;
         report = solve_krylov(b, x, tolerance, limit);
         iterations += report.iterations;
@@ -216,6 +217,7 @@ struct LinearSolver::Implementation
     if (report.escalations > 0)
       report.method = "GMRES with a stronger smoother";
     report.iterations = iterations;
+    report.trouble = trouble;
     return report;
   }
 };
@@ -291,6 +293,7 @@ LinearReport LinearSolver::solve(const TpetraVector& right_side, const Eigen::Ve
     LinearReport direct = solver.solve_direct(right_side, border_right_side, border, x, y);
     direct.iterations = report.iterations;
     direct.escalations = report.escalations + 1;
+    direct.trouble = report.trouble;
     return direct;
   }
   return report;

@@ -149,7 +149,7 @@ Teuchos::RCP<const TpetraMap> Multigrid::getRangeMap() const { return implementa
 
 Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matrix,
                                          const Teuchos::RCP<TpetraMultiVector>& near_null_space,
-                                         const unsigned int block_size, const bool strong)
+                                         const unsigned int block_size, const bool strong, std::string& trouble)
 {
   auto made = std::make_unique<Implementation>();
   made->matrix = matrix;
@@ -171,8 +171,9 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
     const bool one_rank_factorises = !parallel || matrix->getGlobalNumRows() > large_enough_to_gather;
     make(one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
   }
-  catch (const std::exception&) // MueLu throws if it finds none
+  catch (const std::exception& error) // MueLu throws if it finds none
   {
+    trouble = error.what();
     rethrow_if_alone("multigrid");
     return Teuchos::null;
   }

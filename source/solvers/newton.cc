@@ -176,7 +176,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     }
     if (!linear.converged)
     {
-      report.failure = "the linear system could not be solved";
+      report.failure = "the linear system could not be solved" +
+                       (linear.trouble.empty() ? "" : ", for there was no multigrid hierarchy: " + linear.trouble);
       return report;
     }
 

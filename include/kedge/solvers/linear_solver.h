@@ -15,6 +15,7 @@ struct LinearReport
   unsigned int iterations = 0;
   std::string method;           ///< the method that solved the system in the end
   unsigned int escalations = 0; ///< number of stronger methods tried after the first one
+  std::string trouble;          ///< why there was no multigrid hierarchy, maybe several lines; else empty
 };
 
 /// A linear system as its solvers need it. All parts have the row map of A, with the equations of a node together.

@@ -3,6 +3,7 @@
 
 #include <kedge/base/tpetra.h>
 #include <memory>
+#include <string>
 
 namespace kedge
 {
@@ -12,10 +13,11 @@ class Multigrid : public TpetraOperator
 {
 public:
   /// `near_null_space`: rigid body modes as columns, on the row map. `strong` takes longer and serves where the other
-  /// fails. Null if no hierarchy is found. Changes the entries of the matrix by 1e-10 of themselves. Collective.
+  /// fails. Null if no hierarchy is found; then `trouble` says what MueLu said. Changes the entries of the matrix by
+  /// 1e-10 of themselves. Collective.
   static Teuchos::RCP<Multigrid> build(const Teuchos::RCP<TpetraMatrix>& matrix,
                                        const Teuchos::RCP<TpetraMultiVector>& near_null_space, unsigned int block_size,
-                                       bool strong);
+                                       bool strong, std::string& trouble);
   ~Multigrid() override;
 
   /// Follows new values of the matrix, with the aggregates of before. False if that fails. Collective.

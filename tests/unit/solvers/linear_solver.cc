@@ -184,7 +184,9 @@ TEST(Multigrid, IsRenewedWhereEntriesWereZero)
     if (k % 5 == 0 && std::fabs(kept[k]) < 2.) // not of the diagonal
       values(k) = 0.;
   }
-  const auto multigrid = Multigrid::build(cube.matrix, cube.modes(), 3, false);
+  std::string trouble;
+  const auto multigrid = Multigrid::build(cube.matrix, cube.modes(), 3, false, trouble);
+  EXPECT_EQ(trouble, "");
   ASSERT_FALSE(multigrid.is_null());
   for (std::size_t k = 0; k < kept.size(); ++k)
     values(k) = kept[k];
