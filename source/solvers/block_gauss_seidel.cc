@@ -210,7 +210,7 @@ BlockGaussSeidel::BlockGaussSeidel(const TpetraMatrix& matrix, const unsigned in
 {
   const auto local = matrix.getLocalMatrixDevice();
   n_nodes = local.numRows() / block_size;
-  n_columns = column_map->getNodeNumElements() / block_size;
+  n_columns = local.numCols() / block_size;
   held = block_size == 2 ? make_structure<2>(local, n_columns) : make_structure<3>(local, n_columns);
   set_order(order);
   renew(matrix);
