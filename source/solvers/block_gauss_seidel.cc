@@ -80,23 +80,6 @@ template <int size> struct CountBlocks
   }
 };
 
-template <int size> struct ListColumns
-{
-  LocalMatrix local;
-  NodeBlocks held;
-
-  KEDGE_FUNCTION void operator()(const int v) const
-  {
-    int to = held.row_begin(v);
-    visit_blocks<size>(local, v,
-                       [&](const int w, const auto&)
-                       {
-                         if (w != v)
-                           held.column(to++) = w;
-                       });
-  }
-};
-
 template <int size> struct CopyBlocks
 {
   LocalMatrix local;
@@ -113,6 +96,7 @@ template <int size> struct CopyBlocks
                            write_inverse<size>(block, &held.inverse(std::size_t(lanes) * size * v));
                            return;
                          }
+                         held.column(to) = w;
                          float* const entry = &held.blocks(std::size_t(lanes) * size * to++);
                          for (int j = 0; j < size; ++j)
                            for (int i = 0; i < size; ++i)
@@ -121,7 +105,8 @@ template <int size> struct CopyBlocks
   }
 };
 
-template <int size> NodeBlocks make_structure(const LocalMatrix& local, const std::size_t n_columns)
+/// Room for the blocks of a matrix.
+template <int size> NodeBlocks make_room(const LocalMatrix& local, const std::size_t n_columns)
 {
   NodeBlocks held;
   const int n = local.numRows() / size;
@@ -129,7 +114,6 @@ template <int size> NodeBlocks make_structure(const LocalMatrix& local, const st
   int n_blocks = 0;
   Kokkos::parallel_scan("count blocks", Policy(0, n + 1), CountBlocks<size>{local, held.row_begin}, n_blocks);
   held.column = View<int*>("columns", n_blocks);
-  Kokkos::parallel_for("list columns", Policy(0, n), ListColumns<size>{local, held});
   held.blocks = View<float*>("blocks", std::size_t(lanes) * size * n_blocks); // with zeros in idle lanes
   held.inverse = View<float*>("inverses", std::size_t(lanes) * size * n);
   held.values = View<double*>("values", lanes * n_columns);
@@ -211,9 +195,9 @@ BlockGaussSeidel::BlockGaussSeidel(const TpetraMatrix& matrix, const unsigned in
   const auto local = matrix.getLocalMatrixDevice();
   n_nodes = local.numRows() / block_size;
   n_columns = local.numCols() / block_size;
-  held = block_size == 2 ? make_structure<2>(local, n_columns) : make_structure<3>(local, n_columns);
-  set_order(order);
+  held = block_size == 2 ? make_room<2>(local, n_columns) : make_room<3>(local, n_columns);
   renew(matrix);
+  set_order(order);
 }
 
 /// By number is one colour in which nodes follow each other.
