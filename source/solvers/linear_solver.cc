@@ -240,14 +240,8 @@ void LinearSolver::set_structure(const LinearSystem& system)
 void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
                                  const Teuchos::RCP<TpetraMultiVector>& near_null_space)
 {
-  // a hierarchy changes the matrix that it is built from
-  const auto copy = Teuchos::rcp(new TpetraMatrix(*matrix, Teuchos::Copy));
-  const auto near = [matrix, copy]
-  {
-    Kokkos::deep_copy(copy->getLocalMatrixDevice().values, matrix->getLocalMatrixDevice().values);
-    return copy;
-  };
-  set_structure({matrix, near_null_space, near, [matrix] { return matrix; }});
+  const auto itself = [matrix] { return matrix; };
+  set_structure({matrix, near_null_space, itself, itself});
 }
 
 bool LinearSolver::prefers_direct(const std::size_t n_equations) const

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <kedge/base/failure.h>
 #include <kedge/solvers/block_gauss_seidel.h>
+#include <kedge/solvers/coarsening.h>
 #include <kedge/solvers/multigrid.h>
 
 namespace kedge
@@ -9,17 +10,14 @@ namespace kedge
 namespace
 {
 using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
-using XpetraMatrix = Xpetra::Matrix<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
-using XpetraVectors = Xpetra::TpetraMultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
-using Utilities = MueLu::Utilities<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 
 /// Of the finest level's smoother after the coarse correction. On a plate pulled through sand two take a quarter fewer
 /// iterations than one, each dearer by a seventh.
 constexpr unsigned int sweeps = 2;
 /// On all levels, before and after the coarse correction, where those do not do.
 constexpr int strong_sweeps = 4;
-/// Rows from which a hierarchy has two levels below the finest one.
-constexpr std::size_t large_enough_to_gather = 20000;
+/// Rows of the coarsest level that is factorised.
+constexpr int few_rows = 1000;
 
 /// How the coarsest level is solved.
 enum class Coarsest
@@ -28,13 +26,14 @@ enum class Coarsest
   smoothed    ///< where it lies
 };
 
-/// Of the levels below the finest one. Where threads work at once, the form by two stages takes as many iterations as
+/// Of MueLu's levels. Where threads work at once, the form by two stages takes as many iterations as
 /// that by colours and is set up in a third of the time (plate pulled through sand).
 const char* relaxation()
 {
   return sweep_order() == SweepOrder::by_number ? "Symmetric Gauss-Seidel" : "Two-stage Symmetric Gauss-Seidel";
 }
 
+/// Of the levels below the finest one.
 Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel,
                                             const Coarsest coarsest)
 {
@@ -47,15 +46,15 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("smoother: pre or post", strong ? "both" : "post");
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
-  list.set("coarse: max size", coarsest == Coarsest::smoothed ? 300 : 1000);
+  list.set("coarse: max size", coarsest == Coarsest::smoothed ? 300 : few_rows);
   if (parallel && coarsest == Coarsest::factorised)
   {
-    // Neighbouring ranks have neighbouring parts, so blocks of the rows' numbers are parts of the soil. The level below
-    // the finest one stays as it is, for apply() takes its vectors.
+    // Neighbouring ranks have neighbouring parts, so blocks of the rows' numbers are parts of the soil. MueLu's first
+    // level stays as it is, for apply() takes its vectors.
     list.set("repartition: enable", true);
     list.set("repartition: partitioner", "zoltan2");
     list.sublist("repartition: params").set("algorithm", "block");
-    list.set("repartition: start level", 2);
+    list.set("repartition: start level", 1);
     list.set("repartition: min rows per proc", 1000);
     list.set("repartition: target rows per proc", 2000);
     list.set("repartition: rebalance P and R", false); // as renew() needs it
@@ -72,7 +71,7 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
     list.set("coarse: type", "KLU2");
   // A node outside all aggregates has fewer unknowns than modes, which leaves empty rows in the coarse matrix.
   list.set("rap: fix zero diagonals", true);
-  list.set("max levels", 6);
+  list.set("max levels", 5);
   list.set("rap: triple product", false); // three times as slow as two products in Trilinos 13
   list.set("reuse: type", "RP");          // renew() keeps aggregates and prolongators: the matrix keeps its pattern
   list.set("smoother: type", "RELAXATION");
@@ -91,10 +90,12 @@ void make_generic(TpetraMatrix& matrix)
   const auto values = matrix.getLocalMatrixDevice().values;
   Kokkos::parallel_for(
       "make generic", Kokkos::RangePolicy<ExecutionSpace>(0, values.extent(0)), KOKKOS_LAMBDA(const std::size_t k) {
-        const double share = std::fmod(golden * static_cast<double>(k), 1.); // in [0, 1), no two the same
+        const double place = golden * static_cast<double>(k);
+        const double share = place - std::floor(place); // in [0, 1), no two the same
         values(k) = values(k) == 0. ? tiny * (1. + share) : values(k) * (1. + noise * share);
       });
 }
+
 /// Opens what MueLu keeps to itself.
 struct OpenHierarchy : MueLu::Hierarchy<double, LocalOrdinal, GlobalOrdinal, TpetraNode>
 {
@@ -121,22 +122,30 @@ void forget_products(MueLu::Hierarchy<double, LocalOrdinal, GlobalOrdinal, Tpetr
 struct Multigrid::Implementation
 {
   Teuchos::RCP<TpetraMatrix> matrix;
-  unsigned int block_size;
-  Teuchos::RCP<Hierarchy> hierarchy;
-  Teuchos::RCP<const TpetraMatrix> prolongator; ///< to the finest level; null if that is the only one
-  std::unique_ptr<BlockGaussSeidel> smoother;   ///< of the finest level, so too
-  unsigned int sweeps_before, sweeps_after;     ///< the coarse correction
+  NodeBlocks blocks;
+  BlockGaussSeidel smoother;
+  Coarsening coarsening;
+  Teuchos::RCP<Hierarchy> coarse_levels;    ///< for the coarse matrix
+  unsigned int sweeps_before, sweeps_after; ///< the coarse correction
 
-  void set_up_finest_level()
+  Implementation(const Teuchos::RCP<TpetraMatrix>& matrix_, const TpetraMultiVector& modes,
+                 const unsigned int block_size, const bool strong)
+      : matrix(matrix_),
+        blocks(make_node_blocks(*matrix, block_size)),
+        smoother(*matrix, blocks),
+        coarsening(*matrix, blocks, modes),
+        sweeps_before(strong ? strong_sweeps : 0),
+        sweeps_after(strong ? strong_sweeps : sweeps)
   {
-    const auto levels = hierarchy->GetHierarchy();
-    if (levels->GetNumLevels() == 1)
-      return;
-    prolongator = Utilities::Op2TpetraCrs(levels->GetLevel(1)->Get<Teuchos::RCP<XpetraMatrix>>("P"));
-    if (smoother == nullptr)
-      smoother = std::make_unique<BlockGaussSeidel>(*matrix, block_size);
-    else
-      smoother->renew(*matrix);
+    make_generic(*coarsening.matrix());
+    const bool parallel = matrix->getComm()->getSize() > 1;
+    // What is on several ranks is factorised on a level below, which one rank has.
+    const bool one_rank_factorises = !parallel || coarsening.matrix()->getGlobalNumRows() > few_rows;
+    Teuchos::ParameterList list = hierarchy_parameters(coarsening.n_modes(), strong, parallel,
+                                                       one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
+    list.sublist("user data").set("Nullspace", coarsening.near_null_space());
+    const Teuchos::RCP<TpetraOperator> coarse = coarsening.matrix();
+    coarse_levels = MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(coarse, list);
   }
 };
 
@@ -151,63 +160,43 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
                                          const Teuchos::RCP<TpetraMultiVector>& near_null_space,
                                          const unsigned int block_size, const bool strong, std::string& trouble)
 {
-  auto made = std::make_unique<Implementation>();
-  made->matrix = matrix;
-  made->block_size = block_size;
-  made->sweeps_before = strong ? strong_sweeps : 0;
-  made->sweeps_after = strong ? strong_sweeps : sweeps;
-  make_generic(*matrix);
-  const Teuchos::RCP<TpetraOperator> as_operator = matrix;
-  const bool parallel = matrix->getComm()->getSize() > 1;
-  const auto make = [&](const Coarsest coarsest)
-  {
-    Teuchos::ParameterList list = hierarchy_parameters(block_size, strong, parallel, coarsest);
-    list.sublist("user data").set("Nullspace", near_null_space);
-    made->hierarchy =
-        MueLu::CreateTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(as_operator, list);
-  };
   try
   {
-    const bool one_rank_factorises = !parallel || matrix->getGlobalNumRows() > large_enough_to_gather;
-    make(one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
+    auto made = std::make_unique<Implementation>(matrix, *near_null_space, block_size, strong);
+    return Teuchos::rcp(new Multigrid(std::move(made)));
   }
-  catch (const std::exception& error) // MueLu throws if it finds none
+  catch (const std::exception& error) // MueLu throws if it finds no levels
   {
     trouble = error.what();
     rethrow_if_alone("multigrid");
     return Teuchos::null;
   }
-  made->set_up_finest_level();
-  return Teuchos::rcp(new Multigrid(std::move(made)));
 }
 
 bool Multigrid::renew()
 {
   Implementation& at = *implementation;
+  renew_node_blocks(*at.matrix, at.blocks);
+  at.coarsening.renew();
   try
   {
     if (sweep_order() == SweepOrder::by_colour)
-      forget_products(*at.hierarchy->GetHierarchy());
-    MueLu::ReuseTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(at.matrix, *at.hierarchy);
+      forget_products(*at.coarse_levels->GetHierarchy());
+    MueLu::ReuseTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(at.coarsening.matrix(),
+                                                                                      *at.coarse_levels);
   }
   catch (const std::exception&)
   {
     rethrow_if_alone("multigrid");
     return false;
   }
-  at.set_up_finest_level();
   return true;
 }
 
-void Multigrid::apply(const TpetraMultiVector& x, TpetraMultiVector& y, Teuchos::ETransp mode, const double alpha,
-                      const double beta) const
+void Multigrid::apply(const TpetraMultiVector& x, TpetraMultiVector& y, Teuchos::ETransp, double, double) const
 {
   const Implementation& at = *implementation;
-  if (at.smoother == nullptr)
-    return at.hierarchy->apply(x, y, mode, alpha, beta);
-  const auto coarse_map = at.prolongator->getDomainMap();
-  const auto coarse_side = Teuchos::rcp(new TpetraMultiVector(coarse_map, 1)),
-             correction = Teuchos::rcp(new TpetraMultiVector(coarse_map, 1));
+  TpetraVector coarse_side(at.coarsening.matrix()->getRowMap()), correction(at.coarsening.matrix()->getRowMap());
   for (std::size_t i = 0; i < x.getNumVectors(); ++i)
   {
     const auto side = x.getVector(i);
@@ -217,17 +206,16 @@ void Multigrid::apply(const TpetraMultiVector& x, TpetraMultiVector& y, Teuchos:
     if (at.sweeps_before > 0)
     {
       for (unsigned int sweep = 0; sweep < at.sweeps_before; ++sweep)
-        at.smoother->sweep(*side, *solution);
+        at.smoother.sweep(*side, *solution);
       const auto rest = Teuchos::rcp(new TpetraVector(*side, Teuchos::Copy));
       at.matrix->apply(*solution, *rest, Teuchos::NO_TRANS, -1., 1.);
       residual = rest;
     }
-    at.prolongator->apply(*residual, *coarse_side, Teuchos::TRANS);
-    XpetraVectors on_right(coarse_side), on_left(correction);
-    at.hierarchy->GetHierarchy()->Iterate(on_right, on_left, 1, true, 1);
-    at.prolongator->apply(*correction, *solution, Teuchos::NO_TRANS, 1., 1.);
+    at.coarsening.restrict(*residual, coarse_side);
+    at.coarse_levels->apply(coarse_side, correction);
+    at.coarsening.add_prolonged(correction, *solution);
     for (unsigned int sweep = 0; sweep < at.sweeps_after; ++sweep)
-      at.smoother->sweep(*side, *solution);
+      at.smoother.sweep(*side, *solution);
   }
 }
 } // namespace kedge

@@ -1,7 +1,7 @@
 // Symmetric Gauss-Seidel smoothing node by node.
 #pragma once
 
-#include <kedge/base/tpetra.h>
+#include <kedge/solvers/node_blocks.h>
 #include <vector>
 
 namespace kedge
@@ -16,27 +16,14 @@ enum class SweepOrder
 /// The order that suits the back end.
 SweepOrder sweep_order();
 
-/// The matrix as sweeps read it: blocks off the diagonal by node, column by column, with an idle lane, and the inverses
-/// of diagonal blocks.
-struct NodeBlocks
-{
-  View<int*> row_begin, column;
-  View<float*> blocks, inverse;
-  View<double*> values; ///< of owned nodes, then ghosts, in lanes: what the sweeps work on
-  View<int*> order;     ///< the nodes, colour by colour
-};
-
-/// A forward and a backward sweep over the nodes of a matrix, each of which is solved for its block_size (2 or 3)
-/// unknowns together. Between ranks, values of before the sweeps count. The matrix is held in single precision, which
-/// halves the memory that a sweep reads; vectors are double.
+/// A forward and a backward sweep over the nodes of a matrix, each of which is solved for its 2 or 3 unknowns together.
+/// Between ranks, values of before the sweeps count. The matrix is read in single precision, which halves the memory
+/// that a sweep reads; vectors are double.
 class BlockGaussSeidel
 {
 public:
-  /// `matrix` has block_size consecutive rows, and columns, per node, the diagonal among them.
-  BlockGaussSeidel(const TpetraMatrix& matrix, unsigned int block_size, SweepOrder order = sweep_order());
-
-  /// Takes the entries of the matrix as they are now; where they are, must not have changed.
-  void renew(const TpetraMatrix& matrix);
+  /// `blocks` are those of the matrix; it follows when they are renewed.
+  BlockGaussSeidel(const TpetraMatrix& matrix, const NodeBlocks& blocks, SweepOrder order = sweep_order());
 
   /// Improves x as the solution of A x = b. Collective.
   void sweep(const TpetraVector& b, TpetraVector& x) const;
@@ -47,11 +34,11 @@ public:
 private:
   void set_order(SweepOrder order);
 
-  unsigned int block_size;
-  std::size_t n_nodes, n_columns; ///< of this rank; nodes of the columns
+  NodeBlocks blocks;
   Teuchos::RCP<const TpetraMap> column_map;
   Teuchos::RCP<const TpetraImport> importer; ///< null on one rank
-  NodeBlocks held;
+  View<double*> values;                      ///< of owned nodes, then ghosts, in lanes
+  View<int*> order;                          ///< the nodes, colour by colour
   std::vector<int> colour_begin;
 };
 } // namespace kedge

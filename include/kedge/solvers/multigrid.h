@@ -7,14 +7,14 @@
 
 namespace kedge
 {
-/// One cycle of multigrid (MueLu, aggregation) from zero, as a preconditioner. On the finest level a BlockGaussSeidel
-/// smooths, which takes most of a cycle's time.
+/// One cycle of multigrid from zero, as a preconditioner. The finest level, which takes most of the time, is Kedge's:
+/// BlockGaussSeidel smooths, Coarsening leads to the next level. MueLu has all others (smoothed aggregation, where
+/// `strong`; else plain).
 class Multigrid : public TpetraOperator
 {
 public:
   /// `near_null_space`: rigid body modes as columns, on the row map. `strong` takes longer and serves where the other
-  /// fails. Null if no hierarchy is found; then `trouble` says what MueLu said. Changes the entries of the matrix by
-  /// 1e-10 of themselves. Collective.
+  /// fails. Null if no hierarchy is found; then `trouble` says what MueLu said. Collective.
   static Teuchos::RCP<Multigrid> build(const Teuchos::RCP<TpetraMatrix>& matrix,
                                        const Teuchos::RCP<TpetraMultiVector>& near_null_space, unsigned int block_size,
                                        bool strong, std::string& trouble);

@@ -64,6 +64,8 @@ template <typename Coupled> Equations make_equations(const Coupled& coupled)
   return made;
 }
 
+NodeBlocks blocks_of(const Equations& at) { return make_node_blocks(*at.matrix, block_size); }
+
 bool all_coupled(unsigned int, unsigned int) { return true; }
 bool in_a_chain(const unsigned int v, const unsigned int w) { return v <= w + 1 && w <= v + 1; }
 
@@ -78,7 +80,7 @@ void expect_values(const TpetraVector& x, const Eigen::VectorXd& expected)
 TEST(BlockGaussSeidel, SweepsOverTheNodesToAndFro)
 {
   const Equations at = make_equations(all_coupled);
-  const BlockGaussSeidel smoother(*at.matrix, block_size, SweepOrder::by_number);
+  const BlockGaussSeidel smoother(*at.matrix, blocks_of(at), SweepOrder::by_number);
   EXPECT_EQ(smoother.n_colours(), 1u);
   smoother.sweep(*at.b, *at.x);
   expect_values(*at.x, sweep_by_hand(at.a, at.side, at.start));
@@ -87,11 +89,12 @@ TEST(BlockGaussSeidel, SweepsOverTheNodesToAndFro)
 TEST(BlockGaussSeidel, TakesTheMatrixAsItIsNow)
 {
   const Equations at = make_equations(all_coupled);
-  BlockGaussSeidel smoother(*at.matrix, block_size, SweepOrder::by_number);
+  const NodeBlocks blocks = blocks_of(at);
+  const BlockGaussSeidel smoother(*at.matrix, blocks, SweepOrder::by_number);
   at.matrix->resumeFill();
   at.matrix->scale(2.);
   at.matrix->fillComplete();
-  smoother.renew(*at.matrix);
+  renew_node_blocks(*at.matrix, blocks);
   smoother.sweep(*at.b, *at.x);
   expect_values(*at.x, sweep_by_hand(2. * at.a, at.side, at.start));
 }
@@ -99,9 +102,9 @@ TEST(BlockGaussSeidel, TakesTheMatrixAsItIsNow)
 TEST(BlockGaussSeidel, NodesOfOneColourAreNotCoupled)
 {
   const Equations dense = make_equations(all_coupled);
-  EXPECT_EQ(BlockGaussSeidel(*dense.matrix, block_size, SweepOrder::by_colour).n_colours(), n_nodes);
+  EXPECT_EQ(BlockGaussSeidel(*dense.matrix, blocks_of(dense), SweepOrder::by_colour).n_colours(), n_nodes);
   const Equations chain = make_equations(in_a_chain);
-  const auto n_colours = BlockGaussSeidel(*chain.matrix, block_size, SweepOrder::by_colour).n_colours();
+  const auto n_colours = BlockGaussSeidel(*chain.matrix, blocks_of(chain), SweepOrder::by_colour).n_colours();
   EXPECT_GE(n_colours, 2u);
   EXPECT_LE(n_colours, 3u);
 }
@@ -109,7 +112,7 @@ TEST(BlockGaussSeidel, NodesOfOneColourAreNotCoupled)
 TEST(BlockGaussSeidel, SweepsByColourFindTheSolution)
 {
   const Equations at = make_equations(in_a_chain);
-  const BlockGaussSeidel smoother(*at.matrix, block_size, SweepOrder::by_colour);
+  const BlockGaussSeidel smoother(*at.matrix, blocks_of(at), SweepOrder::by_colour);
   for (unsigned int i = 0; i < 8; ++i)
     smoother.sweep(*at.b, *at.x);
   expect_values(*at.x, at.a.lu().solve(at.side));
