@@ -2,11 +2,31 @@
 #include <kedge/assembly/kernels.h>
 #include <kedge/assembly/lanes.h>
 #include <kedge/assembly/linearised_force.h>
+#include <kedge/base/groups.h>
 
 namespace kedge
 {
 namespace
 {
+/// What a group holds of an element: mean moduli, sums of the terms of F-bar, and for each node these sums times its
+/// mean gradient.
+template <int dim> struct ElementMemory
+{
+  static constexpr int set = dim * Lanes<dim>::size, n_moduli = dim * dim * set, n_terms = 3 * set, n_of_node = 3 * dim;
+  double *moduli, *terms, *of_nodes;
+
+  KEDGE_FUNCTION explicit ElementMemory(double* const memory)
+      : moduli(memory), terms(memory + n_moduli), of_nodes(memory + n_moduli + n_terms)
+  {
+  }
+  static std::size_t size(const unsigned int max_nodes) { return n_moduli + n_terms + n_of_node * max_nodes; }
+  /// Component i of term t.
+  KEDGE_FUNCTION double& of_node(const unsigned int v, const int t, const int i) const
+  {
+    return of_nodes[n_of_node * v + dim * t + i];
+  }
+};
+
 template <int dim> struct ElementKernel
 {
   Elements elements;
@@ -16,57 +36,80 @@ template <int dim> struct ElementKernel
   View<unsigned int*> column;
   View<double*> values;
 
+  using Memory = ElementMemory<dim>;
   using Row = typename Lanes<dim>::Type;
   static constexpr int lanes = Lanes<dim>::size, set = dim * lanes, n_places = 1 << dim;
 
-  KEDGE_FUNCTION void operator()(const unsigned int e) const
+  KEDGE_FUNCTION void operator()(const GroupMember& group, double* const room, const unsigned int e) const
   {
-    double moduli[dim * dim * set] = {};
+    const Memory memory(room);
+    average_moduli(group, e, memory);
+    const int c = elements.cell(e);
+    sum_terms(group, c, memory);
+    const double modulus = c < 0 ? 0. : derivative.modulus(c) / (n_places * n_places),
+                 spring = c < 0 ? 0. : derivative.spring(c) / (n_places * n_places);
+    const unsigned int first = elements.node_begin(e), n = elements.node_begin(e + 1) - first;
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
+                         [&](const unsigned int v) { contract(memory, first, n, v); });
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
+                         [&](const unsigned int a) { add_row(memory, first, n, a, modulus, spring); });
+  }
+
+  KEDGE_FUNCTION void average_moduli(const GroupMember& group, const unsigned int e, const Memory& memory) const
+  {
+    constexpr int n_rows = dim * dim * dim;
+    using Stored = Eigen::Map<Row>;
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n_rows),
+                         [&](const int row) { Stored(memory.moduli + lanes * row).setZero(); });
     for (unsigned int i = elements.part_begin(e); i < elements.part_begin(e + 1); ++i)
     {
       const double share = elements.share(i) / n_places;
-      for (int k = 0; k < dim * dim * set; ++k)
-        moduli[k] += share * derivative.moduli(elements.particle(i), k);
-    }
-    double terms[3 * set] = {}, modulus = 0., spring = 0.;
-    const int c = elements.cell(e);
-    if (c >= 0)
-    {
-      modulus = derivative.modulus(c) / (n_places * n_places);
-      spring = derivative.spring(c) / (n_places * n_places);
-      for (unsigned int p = cells.particle_begin(c); p < cells.particle_begin(c + 1); ++p)
-        for (int i = 0; i < 3 * set; ++i) // of which `volume` once
-          terms[i] += derivative.cell(p, i);
-    }
-    const unsigned int first = elements.node_begin(e), n = elements.node_begin(e + 1) - first;
-    for (unsigned int a = 0; a < n; ++a)
-    {
-      double of_a[3][dim];
-      contract(terms, first, n, a, of_a);
-      const unsigned int row = elements.nodes(first + a);
-      const std::size_t begin = row_begin(row), length = row_begin(row + 1) - begin;
-      std::size_t at = begin;
-      for (unsigned int b = 0; b < n; ++b, ++at)
-      {
-        while (column(at) != elements.nodes(first + b)) // both lists ascend
-          ++at;
-        double of_b[3][dim];
-        contract(terms, first, n, b, of_b);
-        Row block[dim];
-        for (int k = 0; k < dim; ++k)
-          block[k].setZero();
-        add_block(moduli, first, n, a, b, block);
-        for (int i = 0; i < dim; ++i)
-          for (int k = 0; k < dim; ++k)
-            add_to(values(std::size_t(dim) * (dim * begin + i * length + at - begin) + k),
-                   block[k][i] + modulus * of_a[0][i] * of_b[2][k] - spring * of_a[1][i] * of_b[1][k]);
-      }
+      const float* moduli = &derivative.moduli(elements.particle(i), 0);
+      Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n_rows), [&](const int row)
+                           { Stored(memory.moduli + lanes * row) += share * Lanes<dim>::read(moduli + lanes * row); });
     }
   }
 
-  /// of[t][i] = sum over places and m of grad_m of node v times entry m, i of terms t; i, m for t = 2.
-  KEDGE_FUNCTION void contract(const double* terms, const unsigned int first, const unsigned int n,
-                               const unsigned int v, double (&of)[3][dim]) const
+  /// Those of group c of F-bar; zeros without one.
+  KEDGE_FUNCTION void sum_terms(const GroupMember& group, const int c, const Memory& memory) const
+  {
+    const unsigned int begin = c < 0 ? 0 : cells.particle_begin(c), end = c < 0 ? 0 : cells.particle_begin(c + 1);
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, Memory::n_terms), // of which `volume` once
+                         [&](const int i)
+                         {
+                           double sum = 0.;
+                           for (unsigned int p = begin; p < end; ++p)
+                             sum += derivative.cell(p, i);
+                           memory.terms[i] = sum;
+                         });
+  }
+
+  /// The row of blocks of node a.
+  KEDGE_FUNCTION void add_row(const Memory& memory, const unsigned int first, const unsigned int n,
+                              const unsigned int a, const double modulus, const double spring) const
+  {
+    const unsigned int row = elements.nodes(first + a);
+    const std::size_t begin = row_begin(row), length = row_begin(row + 1) - begin;
+    std::size_t at = begin;
+    for (unsigned int b = 0; b < n; ++b, ++at)
+    {
+      while (column(at) != elements.nodes(first + b)) // both lists ascend
+        ++at;
+      Row block[dim];
+      for (int k = 0; k < dim; ++k)
+        block[k].setZero();
+      add_block(memory.moduli, first, n, a, b, block);
+      for (int i = 0; i < dim; ++i)
+        for (int k = 0; k < dim; ++k)
+          add_to(values(std::size_t(dim) * (dim * begin + i * length + at - begin) + k),
+                 block[k][i] + modulus * memory.of_node(a, 0, i) * memory.of_node(b, 2, k) -
+                     spring * memory.of_node(a, 1, i) * memory.of_node(b, 1, k));
+    }
+  }
+
+  /// Of node v, term t: sum over places and m of grad_m of the node times entry m, i of the term; i, m for t = 2.
+  KEDGE_FUNCTION void contract(const Memory& memory, const unsigned int first, const unsigned int n,
+                               const unsigned int v) const
   {
     double g[dim] = {};
     for (int s = 0; s < n_places; ++s)
@@ -75,9 +118,10 @@ template <int dim> struct ElementKernel
     for (int t = 0; t < 3; ++t)
       for (int i = 0; i < dim; ++i)
       {
-        of[t][i] = 0.;
+        double sum = 0.;
         for (int m = 0; m < dim; ++m)
-          of[t][i] += terms[set * t + (t < 2 ? lanes * m + i : lanes * i + m)] * g[m];
+          sum += memory.terms[set * t + (t < 2 ? lanes * m + i : lanes * i + m)] * g[m];
+        memory.of_node(v, t, i) = sum;
       }
   }
 
@@ -107,8 +151,16 @@ template <int dim>
 void add_element_stiffness(const Elements& elements, const CellGroups& cells, const LinearisedForce& derivative,
                            const NodeGraph& graph, const View<double*>& values)
 {
-  Kokkos::parallel_for("element stiffness", Kokkos::RangePolicy<ExecutionSpace>(0, elements.n()),
-                       ElementKernel<dim>{elements, cells, derivative, graph.row_begin, graph.column, values});
+  unsigned int max_nodes = 0;
+  Kokkos::parallel_reduce(
+      "largest element", Kokkos::RangePolicy<ExecutionSpace>(0, elements.n()),
+      KOKKOS_LAMBDA(const unsigned int e, unsigned int& most) {
+        const unsigned int n = elements.node_begin(e + 1) - elements.node_begin(e);
+        most = n > most ? n : most;
+      },
+      Kokkos::Max<unsigned int>(max_nodes));
+  for_each_in_groups("element stiffness", elements.n(), ElementMemory<dim>::size(max_nodes),
+                     ElementKernel<dim>{elements, cells, derivative, graph.row_begin, graph.column, values});
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <kedge/assembly/ghost.h>
 #include <kedge/assembly/kernels.h>
+#include <kedge/base/groups.h>
 
 namespace kedge
 {
@@ -48,6 +49,40 @@ KEDGE_FUNCTION void find_response(const GhostFaces& faces, const std::size_t f, 
   response.secant = faces.stiffness(f) * ghost_floor + yielding / std::sqrt(excess);
   response.softening = yielding / (reference * excess * std::sqrt(excess));
 }
+
+template <int dim> struct MatrixKernel
+{
+  GhostFaces faces;
+  LinearisedGhost derivative;
+  View<std::size_t*> row_begin;
+  View<unsigned int*> column;
+  View<double*> values;
+
+  KEDGE_FUNCTION void operator()(const GroupMember& group, const double*, const unsigned int f) const
+  {
+    const unsigned int n = faces.node_begin(f + 1) - faces.node_begin(f);
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n), [&](const unsigned int a) { add_row(f, a); });
+  }
+
+  /// Of the face's node a.
+  KEDGE_FUNCTION void add_row(const unsigned int f, const unsigned int a) const
+  {
+    const auto [n, node, J] = matrix_of(faces, f);
+    const double* pull = &derivative.pull(dim * faces.node_begin(f));
+    const double secant = derivative.secant(f), softening = derivative.softening(f);
+    const std::size_t begin = row_begin(node[a]);
+    const unsigned int length = row_begin(node[a] + 1) - begin;
+    double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
+    for (unsigned int b = 0; b < n; ++b)
+    {
+      const std::size_t position = find_entry_or_diagonal(row_begin, column, node[a], node[b]) - begin;
+      for (int c = 0; c < dim; ++c)
+        for (int d = 0; d < dim; ++d)
+          add_to(row[dim * (c * length + position) + d],
+                 (c == d ? secant * J[a * n + b] : 0.) - softening * pull[dim * a + c] * pull[dim * b + d]);
+    }
+  }
+};
 } // namespace
 
 template <int dim>
@@ -66,32 +101,11 @@ void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, co
 }
 
 template <int dim>
-void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, const NodeGraph& graph,
+void add_ghost_matrix(const GhostFaces& faces, const LinearisedGhost& derivative, const NodeGraph& graph,
                       const View<double*>& values)
 {
-  const auto row_begin = graph.row_begin;
-  const auto column = graph.column;
-  Kokkos::parallel_for(
-      "ghost matrix", Kokkos::RangePolicy<ExecutionSpace>(0, faces.n_faces()), KOKKOS_LAMBDA(const std::size_t f) {
-        FaceResponse<dim> response;
-        find_response(faces, f, increment, response);
-        const auto [n, node, J] = matrix_of(faces, f);
-        for (unsigned int a = 0; a < n; ++a)
-        {
-          const std::size_t begin = row_begin(node[a]);
-          const unsigned int length = row_begin(node[a] + 1) - begin;
-          double* row = &values(static_cast<std::size_t>(dim) * dim * begin);
-          for (unsigned int b = 0; b < n; ++b)
-          {
-            const std::size_t position = find_entry_or_diagonal(row_begin, column, node[a], node[b]) - begin;
-            for (int c = 0; c < dim; ++c)
-              for (int d = 0; d < dim; ++d)
-                add_to(row[dim * (c * length + position) + d],
-                       (c == d ? response.secant * J[a * n + b] : 0.) -
-                           response.softening * response.pull[a][c] * response.pull[b][d]);
-          }
-        }
-      });
+  for_each_in_groups("ghost matrix", faces.n_faces(), 0,
+                     MatrixKernel<dim>{faces, derivative, graph.row_begin, graph.column, values});
 }
 
 template <int dim> LinearisedGhost linearise_ghost(const GhostFaces& faces, const View<double*>& increment)
@@ -154,8 +168,8 @@ void add_ghost_mass(const GhostFaces& faces, const NodeGraph& graph, const Nodal
 
 template void add_ghost_force<2>(const GhostFaces&, const View<double*>&, const View<double*>&);
 template void add_ghost_force<3>(const GhostFaces&, const View<double*>&, const View<double*>&);
-template void add_ghost_matrix<2>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
-template void add_ghost_matrix<3>(const GhostFaces&, const View<double*>&, const NodeGraph&, const View<double*>&);
+template void add_ghost_matrix<2>(const GhostFaces&, const LinearisedGhost&, const NodeGraph&, const View<double*>&);
+template void add_ghost_matrix<3>(const GhostFaces&, const LinearisedGhost&, const NodeGraph&, const View<double*>&);
 template LinearisedGhost linearise_ghost<2>(const GhostFaces&, const View<double*>&);
 template LinearisedGhost linearise_ghost<3>(const GhostFaces&, const View<double*>&);
 template void add_linearised_ghost<2>(const GhostFaces&, const LinearisedGhost&, const View<double*>&,

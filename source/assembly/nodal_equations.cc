@@ -46,14 +46,12 @@ void NodalEquations<dim>::linearise(const NodalVector& increment, const ActingPo
                                     const double elastic_share)
 {
   const auto scope = timings.measure("tangent");
-  at = increment;
   acting_points = points;
   damping = elastic_share;
-  if (factorises)
-    return;
-  force_derivative =
-      linearise_force<dim>(data.particles, data.stencils, data.materials, data.cells, elastic_share, force_derivative);
   ghost_derivative = linearise_ghost<dim>(data.ghost_faces, increment);
+  if (!factorises)
+    force_derivative = linearise_force<dim>(data.particles, data.stencils, data.materials, data.cells, elastic_share,
+                                            force_derivative);
 }
 
 template <int dim> void NodalEquations<dim>::add_product(const NodalVector& direction, const NodalVector& result) const
@@ -69,7 +67,7 @@ template <int dim> void NodalEquations<dim>::add_product(const NodalVector& dire
 template <int dim> void NodalEquations<dim>::finish_matrix(System& into) const
 {
   add_point_tangents(acting_points, -1., into.graph(), into.values());
-  add_ghost_matrix<dim>(data.ghost_faces, at, into.graph(), into.values());
+  add_ghost_matrix<dim>(data.ghost_faces, ghost_derivative, into.graph(), into.values());
   if (newmark.is_dynamic())
     add_mass_matrix(graph_of_mass, start.mass, newmark.stiffness_factor(), into.graph(), into.values());
   into.finish_matrix();

@@ -1,8 +1,33 @@
 #include <Eigen/Core>
 #include <KokkosGraph_Distance1Color.hpp>
 #include <KokkosKernels_Handle.hpp>
+#include <kedge/base/groups.h>
 #include <kedge/solvers/block_gauss_seidel.h>
 #include <type_traits>
+
+namespace kedge
+{
+/// Numbers of a node, which some threads add up.
+struct NodeSum
+{
+  Eigen::Array<double, block_lanes, 1> value;
+
+  KEDGE_FUNCTION NodeSum() { value.setZero(); }
+  KEDGE_FUNCTION NodeSum& operator+=(const NodeSum& other)
+  {
+    value += other.value;
+    return *this;
+  }
+};
+} // namespace kedge
+
+namespace Kokkos
+{
+template <> struct reduction_identity<kedge::NodeSum>
+{
+  KOKKOS_FORCEINLINE_FUNCTION static kedge::NodeSum sum() { return {}; }
+};
+} // namespace Kokkos
 
 namespace kedge
 {
@@ -23,27 +48,49 @@ struct Sweep
   View<int*> order;     ///< the nodes, colour by colour
 };
 
-/// sum -= block x
-template <int size> KEDGE_FUNCTION void subtract_product(const float* block, const double* x, Lanes& sum)
+/// sum += block x
+template <int size> KEDGE_FUNCTION void add_product(const float* block, const double* x, Lanes& sum)
 {
   for (int k = 0; k < size; ++k)
-    sum -= x[k] * StoredLanes(block + lanes * k).template cast<double>();
+    sum += x[k] * StoredLanes(block + lanes * k).template cast<double>();
 }
 
 /// Solves the equations of node v for its unknowns, with the present values of all others.
-template <int size> KEDGE_FUNCTION void solve_node(const Sweep& at, const ConstVector& side, const int v)
+template <int size>
+KEDGE_FUNCTION void solve_node(const GroupMember& group, const Sweep& at, const ConstVector& side, const int v)
 {
-  Lanes rest = Lanes::Zero();
-  for (int i = 0; i < size; ++i)
-    rest[i] = side(size * v + i);
-  for (int k = at.matrix.row_begin(v); k < at.matrix.row_begin(v + 1); ++k)
-    subtract_product<size>(at.matrix.block(k), &at.values(std::size_t(lanes) * at.matrix.column(k)), rest);
-  Lanes solution = Lanes::Zero();
-  rest = -rest;
-  subtract_product<size>(&at.matrix.inverse(std::size_t(lanes) * size * v), rest.data(), solution);
-  Eigen::Map<Lanes> into(&at.values(std::size_t(lanes) * v));
-  into = solution;
+  const int begin = at.matrix.row_begin(v), n = at.matrix.row_begin(v + 1) - begin;
+  NodeSum of_others;
+  Kokkos::parallel_reduce(
+      Kokkos::ThreadVectorRange(group, n),
+      [&](const int k, NodeSum& sum)
+      {
+        add_product<size>(at.matrix.block(begin + k), &at.values(std::size_t(lanes) * at.matrix.column(begin + k)),
+                          sum.value);
+      },
+      of_others);
+  Kokkos::single(Kokkos::PerThread(group),
+                 [&]
+                 {
+                   Lanes rest = -of_others.value, solution = Lanes::Zero();
+                   for (int i = 0; i < size; ++i)
+                     rest[i] += side(size * v + i);
+                   add_product<size>(&at.matrix.inverse(std::size_t(lanes) * size * v), rest.data(), solution);
+                   Eigen::Map<Lanes>(&at.values(std::size_t(lanes) * v)) = solution;
+                 });
 }
+
+template <int size> struct SweepKernel
+{
+  Sweep at;
+  ConstVector side;
+  int first, step; ///< in at.order
+
+  KEDGE_FUNCTION void operator()(const GroupMember& group, const double*, const unsigned int i) const
+  {
+    solve_node<size>(group, at, side, at.order(first + step * static_cast<int>(i)));
+  }
+};
 
 void read_into_lanes(const ConstVector& from, const int size, const View<double*>& values)
 {
@@ -64,16 +111,11 @@ void sweep_to_and_fro(const Sweep& at, const std::vector<int>& colour_begin, con
 {
   const std::size_t n_colours = colour_begin.size() - 1;
   for (std::size_t c = 0; c < n_colours; ++c)
-    Kokkos::parallel_for(
-        "sweep to", Policy(colour_begin[c], colour_begin[c + 1]),
-        KOKKOS_LAMBDA(const int i) { solve_node<size>(at, side, at.order(i)); });
+    for_each_in_groups("sweep to", colour_begin[c + 1] - colour_begin[c], 0,
+                       SweepKernel<size>{at, side, colour_begin[c], 1});
   for (std::size_t c = n_colours; c-- > 0;)
-  {
-    const int ends = colour_begin[c] + colour_begin[c + 1] - 1;
-    Kokkos::parallel_for(
-        "sweep fro", Policy(colour_begin[c], colour_begin[c + 1]),
-        KOKKOS_LAMBDA(const int i) { solve_node<size>(at, side, at.order(ends - i)); });
-  }
+    for_each_in_groups("sweep fro", colour_begin[c + 1] - colour_begin[c], 0,
+                       SweepKernel<size>{at, side, colour_begin[c + 1] - 1, -1});
 }
 
 auto read(const TpetraVector& vector)

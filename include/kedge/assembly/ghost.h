@@ -20,12 +20,6 @@ constexpr double ghost_yield_jump = 1e-3, ghost_floor = 0.1;
 template <int dim>
 void add_ghost_force(const GhostFaces& faces, const View<double*>& increment, const View<double*>& force);
 
-/// Adds the derivative of that force to the blocks of the faces' nodes; what a row has no column for goes to its
-/// diagonal.
-template <int dim>
-void add_ghost_matrix(const GhostFaces& faces, const View<double*>& increment, const NodeGraph& graph,
-                      const View<double*>& values);
-
 /// The derivative of that force, held by face.
 struct LinearisedGhost
 {
@@ -34,6 +28,12 @@ struct LinearisedGhost
 };
 
 template <int dim> LinearisedGhost linearise_ghost(const GhostFaces& faces, const View<double*>& increment);
+
+/// Adds the derivative to the blocks of the faces' nodes; what a row has no column for goes to its
+/// diagonal.
+template <int dim>
+void add_ghost_matrix(const GhostFaces& faces, const LinearisedGhost& derivative, const NodeGraph& graph,
+                      const View<double*>& values);
 
 /// Adds the derivative times `direction` (m) to `force` (N).
 template <int dim>

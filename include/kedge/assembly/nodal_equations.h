@@ -76,7 +76,6 @@ private:
   NodalMotion start;
   Newmark newmark;
   // of the last linearisation
-  NodalVector at;
   double damping = 0.;
   LinearisedForce force_derivative;
   LinearisedGhost ghost_derivative;

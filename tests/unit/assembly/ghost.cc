@@ -64,7 +64,7 @@ template <int dim> struct StabilisedBlock
   TpetraVector tangent_times(const NodalVector& x, const NodalVector& y) const
   {
     system->clear_matrix();
-    add_ghost_matrix<dim>(faces, x, system->graph(), system->values());
+    add_ghost_matrix<dim>(faces, linearise_ghost<dim>(faces, x), system->graph(), system->values());
     system->finish_matrix();
     TpetraVector owned(system->graph().row_map), product(system->graph().row_map);
     const auto from = on_host(y);
