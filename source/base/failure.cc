@@ -37,6 +37,8 @@ std::string shortened(const std::string& message)
     case solver_failure:
       throw SolverError(message);
     case file_failure:
+      if (failure.is_of_disk)
+        throw DiskError(Whole{failure.path, message});
       throw FileError(Whole{failure.path, message});
     case success:
     case mistake:
@@ -79,6 +81,10 @@ Failure current_failure()
   {
     return {solver_failure, "", error.what()};
   }
+  catch (const DiskError& error)
+  {
+    return {file_failure, error.path, error.what(), true, true};
+  }
   catch (const FileError& error)
   {
     return {file_failure, error.path, error.what()};
@@ -120,10 +126,13 @@ void agree(const MPI_Comm communicator, const std::function<void()>& work)
   {
     mine = current_failure();
   }
-  const int first = static_cast<int>(min_over_ranks(mine.code == success ? size : rank, communicator));
-  if (first == size)
+  // Ranks with a DiskError come last: an error that ends the run must not be lost behind it.
+  const int place = mine.code == success ? 2 * size : mine.is_of_disk ? size + rank : rank;
+  const int first_place = static_cast<int>(min_over_ranks(place, communicator)), first = first_place % size;
+  if (first_place == 2 * size)
     return;
   Failure agreed = mine;
+  agreed.is_of_disk = first_place >= size;
   int code = mine.code;
   MPI_Bcast(&code, 1, MPI_INT, first, communicator);
   agreed.code = static_cast<ExitCode>(code);
@@ -164,6 +173,27 @@ void rethrow_if_alone(const std::string& place)
     throw;
 }
 
+std::string try_to_write(const std::string& place, const std::function<void()>& work)
+{
+  try
+  {
+    work();
+  }
+  catch (const DiskError& error)
+  {
+    rethrow_if_alone(place);
+    return error.what();
+  }
+  return "";
+}
+
+void print(std::FILE* stream, const std::string& text)
+{
+  std::fputs(text.c_str(), stream);
+  std::fflush(stream);
+  std::clearerr(stream);
+}
+
 int exit_code_of(const std::string& name, const std::function<int()>& program)
 {
   try
@@ -176,7 +206,7 @@ int exit_code_of(const std::string& name, const std::function<int()>& program)
     if (!failure.is_named || !fails_everywhere("program"))
       abort_all_ranks(failure);
     if (rank_of(MPI_COMM_WORLD) == 0)
-      fmt::print(stderr, "{}: {}\n", name, failure.message);
+      print(stderr, fmt::format("{}: {}\n", name, failure.message));
     return failure.code;
   }
 }
@@ -186,8 +216,7 @@ void abort_all_ranks(const Failure& failure)
   std::fflush(stdout);
   const bool has_others = size_of(MPI_COMM_WORLD) > 1;
   const std::string whose = has_others ? fmt::format("rank {}: ", rank_of(MPI_COMM_WORLD)) : "";
-  fmt::print(stderr, "kedge: {}{}\n", whose, failure.message);
-  std::fflush(stderr);
+  print(stderr, fmt::format("kedge: {}{}\n", whose, failure.message));
   if (has_others)
     MPI_Abort(MPI_COMM_WORLD, failure.code);
   std::_Exit(failure.code);

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <kedge/base/failure.h>
 #include <kedge/base/report.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
@@ -57,10 +58,7 @@ void Report::line(const std::string& text)
 {
   close_line();
   if (speak && !quiet)
-  {
-    fmt::print("{}\n", text);
-    std::fflush(stdout);
-  }
+    print(stdout, text + "\n");
 }
 
 void Report::warn(const std::string& text)
@@ -68,7 +66,7 @@ void Report::warn(const std::string& text)
   close_line();
   given_warnings.push_back(text);
   if (speak)
-    fmt::print(stderr, "warning: {}\n", text);
+    print(stderr, "warning: " + text + "\n");
 }
 
 void Report::progress(const ProgressLine& shown)
@@ -92,16 +90,15 @@ void Report::progress(const ProgressLine& shown)
       done > 0. ? " left " + format_duration(seconds_since(first_seen) * (1. - fraction) / done) : "";
   const std::string text = format_progress(shown) + left;
   if (on_terminal)
-    fmt::print("\r{}\x1b[K", text);
+    print(stdout, "\r" + text + "\x1b[K");
   else if (is_first || seconds_since(last_line) >= interval)
   {
-    fmt::print("{}\n", text);
+    print(stdout, text + "\n");
     last_line = now;
     waiting.clear();
   }
   else
     waiting = text;
-  std::fflush(stdout);
   line_open = on_terminal;
 }
 
@@ -109,16 +106,15 @@ void Report::end_progress()
 {
   close_line();
   if (!waiting.empty())
-    fmt::print("{}\n", waiting);
+    print(stdout, waiting + "\n");
   waiting.clear();
-  std::fflush(stdout);
 }
 
 /// So that other text begins on a line of its own.
 void Report::close_line()
 {
   if (line_open)
-    fmt::print("\n");
+    print(stdout, "\n");
   line_open = false;
 }
 

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 /// Name, step and perhaps rank, as OutputWriter joins them.
 const std::string series = "(mps_[0-9]+|mesh|body|surface|tracked)";
 const std::regex vtk_moment(series + "_([0-9]{5,10})(_[0-9]+)?\\.p?vtu"), vtk_list(series + "\\.pvd"),
-    csv_moment("(mps_[0-9]+)_([0-9]{5,10})\\.csv"), csv_list("rigid_body\\.csv");
+    csv_moment("(mps_[0-9]+)_([0-9]{5,10})\\.csv"), csv_list("rigid_body\\.csv"),
+    draft(".*\\.(csv|p?vtu|pvd)\\.new"); // of a run that was killed
 
 /// Taken before any of them is removed.
 std::vector<fs::path> files_in(const std::string& folder)
@@ -33,8 +34,9 @@ void remove_in(const std::string& folder, const unsigned int step, const std::re
   {
     const std::string name = file.filename().string();
     std::smatch found;
-    if (std::regex_match(name, found, moment) ? std::stoull(found[2]) > step
-                                              : step == 0 && std::regex_match(name, list))
+    if (std::regex_match(name, found, moment)
+            ? std::stoull(found[2]) > step
+            : std::regex_match(name, draft) || (step == 0 && std::regex_match(name, list)))
       remove_earlier_file(file.string());
   }
 }

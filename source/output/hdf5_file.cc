@@ -133,8 +133,9 @@ void Hdf5Writer::open_draft()
   {
     close_draft();
     std::remove(draft.c_str());
-    throw FileError(draft, reserve_error == 0 ? "cannot be created by HDF5"
-                                              : "cannot be written: " + std::generic_category().message(reserve_error));
+    if (reserve_error == 0)
+      throw FileError(draft, "cannot be created by HDF5");
+    throw DiskError(draft, "cannot be written: " + std::generic_category().message(reserve_error));
   }
   sound = reserve(0); // creation gave the space back
 }
@@ -255,8 +256,7 @@ void Hdf5Writer::finish(const std::string& kept)
           if (sound && give_name(kept))
             return;
           std::remove(draft.c_str());
-          throw FileError(path, "could not be written in full, the one before is kept; check that the disk has free "
-                                "space");
+          throw DiskError(path, "could not be written in full, the one before is kept");
         });
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
@@ -8,6 +9,7 @@
 #include <kedge/output/history.h>
 #include <kedge/output/text_file.h>
 #include <sstream>
+#include <unistd.h>
 
 namespace kedge
 {
@@ -100,22 +102,41 @@ void write_particle_csv(const ParticleTable& mine, const std::vector<ParticleFie
   std::string columns;
   for (const ParticleField& field : fields)
     add_columns(field.name, field.n_components, columns);
-  for (int turn = 0; turn < size_of(communicator); ++turn)
+  const std::string draft = draft_of(path);
+  const bool is_root = rank_of(communicator) == 0;
+  const auto write_rows = [&]
+  {
+    if (is_root)
+      write_text_file(draft, fmt::format("time,{}\n{}\n{}", time, columns.substr(columns.empty() ? 0 : 1), rows));
+    else if (!rows.empty())
+      append_text(draft, rows);
+  };
+  try
+  {
+    for (int turn = 0; turn < size_of(communicator); ++turn)
+      agree(communicator,
+            [&]
+            {
+              if (rank_of(communicator) == turn)
+                write_rows();
+            });
     agree(communicator,
           [&]
           {
-            if (rank_of(communicator) != turn)
-              return;
-            if (turn == 0)
-              write_text_file(path,
-                              fmt::format("time,{}\n{}\n{}", time, columns.substr(columns.empty() ? 0 : 1), rows));
-            else if (!rows.empty())
-              append_text(path, rows);
+            if (is_root)
+              give_name(path);
           });
+  }
+  catch (const FileError&)
+  {
+    if (is_root)
+      std::remove(draft.c_str());
+    throw;
+  }
 }
 
-BodyHistory::BodyHistory(std::string path_, std::vector<BodyField> fields_)
-    : path(std::move(path_)), fields(std::move(fields_))
+BodyHistory::BodyHistory(std::string path_, std::vector<BodyField> fields_, const std::size_t most_bytes_)
+    : path(std::move(path_)), fields(std::move(fields_)), most_bytes(most_bytes_)
 {
 }
 
@@ -123,11 +144,12 @@ void BodyHistory::resume_after(unsigned int step)
 {
   if (!std::filesystem::exists(path))
     return;
-  std::istringstream lines(read_text_file(path));
+  const std::string text = read_text_file(path);
+  std::istringstream lines(text);
   std::string line, kept;
   if (!std::getline(lines, line) || lines.eof())
     return; // not even the names of its columns are there: begun anew
-  const std::string line_of_names = kept = line + "\n";
+  kept_names = kept = line + "\n";
   while (std::getline(lines, line))
   {
     const std::string last = line.substr(line.rfind(',') + 1);
@@ -137,22 +159,23 @@ void BodyHistory::resume_after(unsigned int step)
     if (!lines.eof() && is_step && std::stoul(last) <= step)
       kept += line + "\n";
   }
-  kept_names = line_of_names;
-  replace_text_file(path, kept);
-  file.open(path, std::ios::binary | std::ios::app);
-  if (!file)
+  is_begun = true;
+  if (text.compare(0, kept.size(), kept) != 0)
+    return replace_text_file(path, kept);
+  // Rows that go are the last ones, as a rule; then the file needs no more room, which a full disk may not have.
+  std::error_code error;
+  if (kept.size() < text.size())
+    std::filesystem::resize_file(path, kept.size(), error);
+  if (error || ::access(path.c_str(), W_OK) != 0)
     throw FileError(path, "cannot be continued; check that it may be written");
 }
 
 void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>& reactions, double time,
                          unsigned int stage, unsigned int step)
 {
-  if (!file.is_open())
-  {
-    file.open(path, std::ios::binary | std::ios::trunc);
-    file << body_columns(bodies, fields);
-  }
-  if (!kept_names.empty() && kept_names != body_columns(bodies, fields))
+  if (line_of_names.empty())
+    line_of_names = body_columns(bodies, fields);
+  if (!kept_names.empty() && kept_names != line_of_names)
     throw FileError(path,
                     "has other columns than this run; restart with the \"csv rigid body fields\" of the first run");
   kept_names.clear();
@@ -179,10 +202,27 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
       fmt::format_to(end, ",{},{},{}", x[0], x[1], x[2]);
   }
   fmt::format_to(end, ",{},{}\n", stage, step);
-  file.write(row.data(), static_cast<std::streamsize>(row.size()));
-  // A row must survive even if the run crashes.
-  file.flush();
-  if (!file)
-    throw FileError(path, "could not be written");
+  if (waiting.empty() || waiting.size() + row.size() <= most_bytes)
+    waiting.append(row.data(), row.size());
+  else
+    ++n_lost;
+  write(); // A row must survive even if the run crashes.
+}
+
+unsigned int BodyHistory::count_waiting() const
+{
+  return n_lost + static_cast<unsigned int>(std::count(waiting.begin(), waiting.end(), '\n'));
+}
+
+void BodyHistory::write()
+{
+  if (waiting.empty())
+    return;
+  if (is_begun && ::access(path.c_str(), F_OK) == 0)
+    append_text(path, waiting);
+  else // also where somebody has taken the table away, for room on the disk
+    replace_text_file(path, line_of_names + waiting);
+  is_begun = true;
+  waiting.clear();
 }
 } // namespace kedge

@@ -52,11 +52,13 @@ void PvdSeries::add(double time, const std::string& file)
   write();
 }
 
-void PvdSeries::write() const
+void PvdSeries::write()
 {
+  written = false;
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
   for (const auto& [at, name] : entries)
     text += fmt::format("<DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", at, name);
   replace_text_file(path, text + "</Collection>\n</VTKFile>\n");
+  written = true;
 }
 } // namespace kedge

@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
@@ -62,15 +63,17 @@ template <int dim> void OutputWriter<dim>::keep_until(const unsigned int step)
 {
   if (step > 0)
     resumed = vtk_step = csv_step = step;
-  agree(communicator,
-        [&]
-        {
-          if (rank_of(communicator) != 0)
-            return;
-          remove_moments_after(step, vtk_folder, csv_folder);
-          if (step > 0 && parameters.csv.on)
-            history.resume_after(step);
-        });
+  const auto keep = [&]
+  {
+    if (rank_of(communicator) != 0)
+      return;
+    if (step > 0 && parameters.csv.on)
+      history.resume_after(step);
+    remove_moments_after(step, vtk_folder, csv_folder);
+  };
+  const std::string problem = try_to_write("output", [&] { agree(communicator, keep); });
+  if (!problem.empty())
+    warnings.push_back(problem + "; it will be with the next files: free some room");
 }
 
 template <int dim> void OutputWriter<dim>::begin_stage(unsigned int n_steps)
@@ -83,6 +86,8 @@ template <int dim>
 void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage,
                                      bool last_of_stage)
 {
+  if (rows_wait)
+    write_rows([&] { history.write(); });
   const bool vtk =
       parameters.vtk.on && vtk_step != state.step && vtk_schedule.due(converged_steps_in_stage, last_of_stage);
   const bool csv =
@@ -95,24 +100,69 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int co
     csv_step = state.step;
   const Layers layers = particles_by_layer(state.particles, n_layers);
 
+  if (csv)
+    write_tables(state, layers);
   if (vtk)
     write_snapshot(state, layers);
-  if (csv && !parameters.csv.particle_fields.empty())
-    for (unsigned int layer = 0; layer < n_layers; ++layer)
-    {
-      const std::vector<ParticleField>& fields = csv_particle_fields[layer];
-      const std::string name = file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
-      write_particle_csv(tabulate(layers[layer], fields), fields, state.time, csv_folder + "/" + name, communicator);
-    }
+}
+
+template <int dim> void OutputWriter<dim>::finish()
+{
+  if (rows_wait)
+    write_rows([&] { history.write(); });
+  if (rows_wait)
+    warnings.push_back(fmt::format("the last {} rows of rigid_body.csv could not be written", history.count_waiting()));
+  for (auto& [series, entries] : series_lists) // on the root
+    if (!entries.is_written())
+      try
+      {
+        entries.write();
+      }
+      catch (const DiskError& error)
+      {
+        warnings.push_back(fmt::format("{}; the list lacks files that are there", error.what()));
+      }
+  missed_vtk.sum_up(warnings);
+  missed_csv.sum_up(warnings);
+}
+
+template <int dim> void OutputWriter<dim>::write_tables(const Snapshot<dim>& state, const Layers& layers)
+{
   const bool any_column =
       !parameters.csv.body_fields.empty() || !state.bodies.tracked.empty() || !state.bodies.joints.empty();
-  if (csv && any_column && !state.bodies.empty())
-    agree(communicator,
-          [&]
-          {
-            if (rank_of(communicator) == 0)
-              history.append(state.bodies, state.reactions, state.time, state.stage, state.step);
-          });
+  if (any_column && !state.bodies.empty())
+    write_rows([&] { history.append(state.bodies, state.reactions, state.time, state.stage, state.step); });
+  if (parameters.csv.particle_fields.empty())
+    return;
+  for (unsigned int layer = 0; layer < n_layers; ++layer)
+  {
+    const std::vector<ParticleField>& fields = csv_particle_fields[layer];
+    const std::string path = csv_folder + "/" + file_name(fmt::format("mps_{}", layer + 1), state.step, ".csv");
+    const ParticleTable table = tabulate(layers[layer], fields);
+    missed_csv.attempt([&] { write_particle_csv(table, fields, state.time, path, communicator); });
+  }
+  missed_csv.end_moment(state.step, warnings);
+}
+
+/// Of the bodies' table. Rows that do not fit wait for the next step.
+template <int dim> void OutputWriter<dim>::write_rows(const std::function<void()>& of_root)
+{
+  const bool waited = rows_wait;
+  const auto work = [&]
+  {
+    if (rank_of(communicator) == 0)
+      of_root();
+  };
+  const std::string problem = try_to_write("output", [&] { agree(communicator, work); });
+  rows_wait = !problem.empty();
+  if (rows_wait && !waited)
+    warnings.push_back(problem + "; its rows wait in memory and follow when there is room: free some");
+  if (!rows_wait && waited)
+  {
+    const unsigned int n_lost = history.take_lost();
+    const std::string lost = n_lost == 0 ? "" : fmt::format("; {} more are lost, for too many had to wait", n_lost);
+    warnings.push_back("the rows of rigid_body.csv that had to wait are written" + lost);
+  }
 }
 
 template <int dim> void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& state, const Layers& layers)
@@ -125,18 +175,13 @@ template <int dim> void OutputWriter<dim>::write_snapshot(const Snapshot<dim>& s
   for (const auto& touch : state.touches)
     contact.push_back({touch.position, touch.force, touch.surface});
   const UnstructuredGrid surfaces = body_surfaces<dim>(state.bodies, contact, communicator);
-  agree(communicator,
-        [&]
-        {
-          if (rank_of(communicator) != 0)
-            return;
-          if (!state.bodies.empty())
-            write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
-          if (!state.bodies.surfaces.empty())
-            write_on_root("surface", surfaces, state);
-          if (!state.bodies.tracked.empty())
-            write_on_root("tracked", tracked_nodes(state.bodies), state);
-        });
+  if (!state.bodies.empty())
+    write_on_root("body", rigid_points(state.bodies, state.reactions, vtk_body_fields), state);
+  if (!state.bodies.surfaces.empty())
+    write_on_root("surface", surfaces, state);
+  if (!state.bodies.tracked.empty())
+    write_on_root("tracked", tracked_nodes(state.bodies), state);
+  missed_vtk.end_moment(state.step, warnings);
 }
 
 template <int dim>
@@ -150,21 +195,43 @@ void OutputWriter<dim>::write_piece(const std::string& series, UnstructuredGrid 
   MPI_Comm_split(communicator, piece, rank, &writers);
   grid = gather_grid(std::move(grid), writers);
   MPI_Comm_free(&writers);
-  agree(communicator,
-        [&]
+  const bool writes = rank % ranks_per_file == 0;
+  std::vector<std::string> pieces;
+  for (int first = 0; first < n_ranks; first += ranks_per_file)
+    pieces.push_back(file_name(series, state.step, fmt::format("_{}.vtu", first / ranks_per_file)));
+  const std::string mine = vtk_folder + "/" + pieces[piece];
+  const auto write_all = [&]
+  {
+    agree(communicator,
+          [&]
+          {
+            if (writes)
+              write_vtu(grid, mine, state.total_time);
+          });
+    agree(communicator,
+          [&]
+          {
+            if (rank != 0)
+              return;
+            const std::string joined = file_name(series, state.step, ".pvtu");
+            write_pvtu(grid, pieces, vtk_folder + "/" + joined);
+            list(series, joined, state.total_time);
+          });
+  };
+  missed_vtk.attempt(
+      [&]
+      {
+        try
         {
-          if (rank % ranks_per_file != 0)
-            return;
-          std::vector<std::string> pieces;
-          for (int first = 0; first < n_ranks; first += ranks_per_file)
-            pieces.push_back(file_name(series, state.step, fmt::format("_{}.vtu", first / ranks_per_file)));
-          write_vtu(grid, vtk_folder + "/" + pieces[piece], state.total_time);
-          if (rank != 0)
-            return;
-          const std::string joined = file_name(series, state.step, ".pvtu");
-          write_pvtu(grid, pieces, vtk_folder + "/" + joined);
-          list(series, joined, state.total_time);
-        });
+          write_all();
+        }
+        catch (const DiskError&) // one piece is no use without the others
+        {
+          if (writes)
+            std::remove(mine.c_str());
+          throw;
+        }
+      });
 }
 
 template <int dim>
@@ -172,16 +239,32 @@ void OutputWriter<dim>::write_on_root(const std::string& series, const Unstructu
                                       const Snapshot<dim>& state)
 {
   const std::string file = file_name(series, state.step, ".vtu");
-  write_vtu(grid, vtk_folder + "/" + file, state.total_time);
-  list(series, file, state.total_time);
+  const auto write = [&]
+  {
+    if (rank_of(communicator) != 0)
+      return;
+    write_vtu(grid, vtk_folder + "/" + file, state.total_time);
+    list(series, file, state.total_time);
+  };
+  missed_vtk.attempt([&] { agree(communicator, write); });
 }
 
+/// A list that does not fit is written with its next entry. On the root.
 template <int dim> void OutputWriter<dim>::list(const std::string& series, const std::string& file, double time)
 {
   const auto [entry, is_new] = series_lists.try_emplace(series, vtk_folder + "/" + series + ".pvd");
   if (is_new && resumed)
     entry->second.resume_after(*resumed);
-  entry->second.add(time, file);
+  const bool was_written = entry->second.is_written();
+  try
+  {
+    entry->second.add(time, file);
+  }
+  catch (const DiskError& error)
+  {
+    if (was_written)
+      warnings.push_back(fmt::format("{}; the list is written again with the next file: free some room", error.what()));
+  }
 }
 
 template class OutputWriter<2>;

@@ -1,5 +1,6 @@
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/text_file.h>
@@ -12,34 +13,77 @@ std::string last_system_message() { return std::generic_category().message(errno
 
 namespace
 {
-void write_in_mode(const std::string& path, const std::string& text, const char* const mode)
+/// What the system says of a file that it does not take now and may take later. EIO is what network file systems say of
+/// a write that failed behind the program's back.
+bool is_of_disk(const int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO; }
+
+[[noreturn]] void fail(const std::string& path, const std::string& problem, const int error)
 {
-  // C streams set errno on failure; C++ streams need not.
-  std::FILE* file = std::fopen(path.c_str(), mode);
-  if (!file)
-    throw FileError(path, "cannot be opened for writing: " + last_system_message());
-  const bool written = std::fwrite(text.data(), 1, text.size(), file) == text.size();
-  const std::string problem = written ? "" : last_system_message();
+  const std::string text = problem + ": " + std::generic_category().message(error);
+  if (is_of_disk(error))
+    throw DiskError(path, text);
+  throw FileError(path, text);
+}
+
+/// Returns the error of the system, 0 if there is none. C streams set errno on failure; C++ streams need not.
+int write_to(std::FILE* file, const std::string& text)
+{
+  const int problem = std::fwrite(text.data(), 1, text.size(), file) == text.size() ? 0 : errno;
   // A full disk may be noticed only when the buffer is flushed.
-  if (std::fclose(file) != 0 || !written)
-    throw FileError(path, "could not be written in full: " + (written ? last_system_message() : problem));
+  const int problem_of_end = std::fclose(file) == 0 ? 0 : errno;
+  return problem != 0 ? problem : problem_of_end;
+}
+
+std::FILE* open_to_write(const std::string& path, const char* const mode, const std::string& name)
+{
+  std::FILE* const file = std::fopen(path.c_str(), mode);
+  if (!file)
+    fail(name, "cannot be opened for writing", errno);
+  return file;
 }
 } // namespace
 
-void write_text_file(const std::string& path, const std::string& text) { write_in_mode(path, text, "wb"); }
+void write_text_file(const std::string& path, const std::string& text)
+{
+  if (const int problem = write_to(open_to_write(path, "wb", path), text))
+    fail(path, "could not be written in full", problem);
+}
 
-void append_text(const std::string& path, const std::string& text) { write_in_mode(path, text, "ab"); }
+void append_text(const std::string& path, const std::string& text)
+{
+  std::FILE* const file = open_to_write(path, "ab", path);
+  std::error_code unknown, kept;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  const int problem = write_to(file, text);
+  if (problem == 0)
+    return;
+  if (!unknown)
+    std::filesystem::resize_file(path, size, kept);
+  if (kept)
+    throw FileError(path, "ends in a part of what could not be written in full: " + kept.message());
+  fail(path, "could not be written in full", problem);
+}
+
+std::string draft_of(const std::string& path) { return path + ".new"; }
+
+void give_name(const std::string& path)
+{
+  if (std::rename(draft_of(path).c_str(), path.c_str()) == 0)
+    return;
+  const int problem = errno;
+  std::remove(draft_of(path).c_str());
+  fail(path, "cannot be replaced", problem);
+}
 
 void replace_text_file(const std::string& path, const std::string& text)
 {
-  const std::string draft = path + ".new";
-  write_text_file(draft, text);
-  if (std::rename(draft.c_str(), path.c_str()) != 0)
+  const std::string draft = draft_of(path);
+  if (const int problem = write_to(open_to_write(draft, "wb", path), text))
   {
-    const std::string problem = last_system_message();
     std::remove(draft.c_str());
-    throw FileError(path, "cannot be replaced: " + problem);
+    fail(path, "could not be written in full", problem);
   }
+  give_name(path);
 }
 
 std::string read_text_file(const std::string& path)

@@ -155,7 +155,7 @@ void write_vtu(const UnstructuredGrid& grid, const std::string& path, double tim
   text += "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   text += appended.bytes();
   text += "\n</AppendedData>\n</VTKFile>\n";
-  write_text_file(path, text);
+  replace_text_file(path, text);
 }
 
 void write_pvtu(const UnstructuredGrid& piece, const std::vector<std::string>& pieces, const std::string& path)
@@ -165,6 +165,6 @@ void write_pvtu(const UnstructuredGrid& piece, const std::vector<std::string>& p
   text += piecewise_data("PPointData", piece.point_data) + piecewise_data("PCellData", piece.cell_data);
   for (const std::string& file : pieces)
     text += fmt::format("<Piece Source=\"{}\"/>\n", file);
-  write_text_file(path, text + "</PUnstructuredGrid>\n</VTKFile>\n");
+  replace_text_file(path, text + "</PUnstructuredGrid>\n</VTKFile>\n");
 }
 } // namespace kedge

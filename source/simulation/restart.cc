@@ -8,7 +8,7 @@
 #include <kedge/simulation/version.h>
 #include <nlohmann/json.hpp>
 
-// How a run is saved and goes on.
+// What a run writes, and how it goes on from that.
 
 namespace kedge
 {
@@ -28,15 +28,17 @@ std::string input_for_any_folder(const Input& input)
 std::string name_of_program() { return fmt::format("Kedge {} (commit {})", version(), commit()); }
 } // namespace
 
-template <int dim> void Simulation<dim>::copy_input() const
+template <int dim> void Simulation<dim>::copy_input()
 {
   const std::string copy = (std::filesystem::path(options.output_directory) / "input.json").string();
-  agree(MPI_COMM_WORLD,
-        [&]
-        {
-          if (rank_of(MPI_COMM_WORLD) == 0)
-            replace_text_file(copy, input_for_any_folder(input));
-        });
+  const auto write = [&]
+  {
+    if (rank_of(MPI_COMM_WORLD) == 0)
+      replace_text_file(copy, input_for_any_folder(input));
+  };
+  const std::string problem = try_to_write("copy of the input", [&] { agree(MPI_COMM_WORLD, write); });
+  if (!problem.empty())
+    log.report().warn(problem);
 }
 
 template <int dim> void Simulation<dim>::resume()
@@ -50,12 +52,38 @@ template <int dim> void Simulation<dim>::resume()
   enter_stage(progress.stage);
   log.resume(stage->stepping, progress.summary, stage_number);
   writer.keep_until(progress.step);
+  pass_on(writer.take_warnings());
   copy_input();
   step_number = progress.step;
   overshoots = progress.overshoots;
   has_warned_of_window = progress.has_warned_of_window;
   resumed = progress.clock;
   log.report().line(fmt::format("going on after step {} from {}", step_number, start.path));
+}
+
+template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+{
+  const auto scope = log.timings().measure("output");
+  const double time = clock.steps_done() * step_length(stage->stepping);
+  writer.write_if_due({soil.particles(), soil.mesh(), bodies, reactions, touches, stage_number + 1, step_number, time,
+                       finished_time + time},
+                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
+  pass_on(writer.take_warnings());
+}
+
+template <int dim> void Simulation<dim>::finish_output()
+{
+  writer.finish();
+  std::vector<std::string> warnings = writer.take_warnings();
+  missed_restart_files.sum_up(warnings);
+  pass_on(warnings);
+}
+
+/// What the disk has no room for.
+template <int dim> void Simulation<dim>::pass_on(const std::vector<std::string>& warnings)
+{
+  for (const std::string& warning : warnings)
+    log.report().warn(warning);
 }
 
 /// Writes a restart file where one is due. False where the run was told to end.
@@ -70,8 +98,13 @@ template <int dim> bool Simulation<dim>::save_if_due(const Clock& clock)
   }
   // The next stage may fail at once; a run that is at its end may go on with a later one.
   is_due = is_due || (clock.at_end() && (!is_last || checkpoints.is_on()));
-  if (is_due)
-    write_or_warn("restart file", [&] { write_restart_file(clock, checkpoints.files().latest); });
+  if (!is_due)
+    return true;
+  const auto write = [&] { write_restart_file(clock, checkpoints.files().latest); };
+  write_or_warn("restart file", [&] { missed_restart_files.attempt(write); });
+  std::vector<std::string> warnings;
+  missed_restart_files.end_moment(step_number, warnings);
+  pass_on(warnings);
   return true;
 }
 
@@ -110,13 +143,19 @@ template <int dim> void Simulation<dim>::save_failed_state(const Clock& clock)
   write_restart_file(clock, has_others ? files.failed : files.latest);
 }
 
-template void Simulation<2>::copy_input() const;
+template void Simulation<2>::copy_input();
 template void Simulation<2>::resume();
+template void Simulation<2>::write_output(const Clock&, bool);
+template void Simulation<2>::finish_output();
+template void Simulation<2>::pass_on(const std::vector<std::string>&);
 template bool Simulation<2>::save_if_due(const Clock&);
 template void Simulation<2>::write_or_warn(const std::string&, const std::function<void()>&);
 template void Simulation<2>::save_failed_state(const Clock&);
-template void Simulation<3>::copy_input() const;
+template void Simulation<3>::copy_input();
 template void Simulation<3>::resume();
+template void Simulation<3>::write_output(const Clock&, bool);
+template void Simulation<3>::finish_output();
+template void Simulation<3>::pass_on(const std::vector<std::string>&);
 template bool Simulation<3>::save_if_due(const Clock&);
 template void Simulation<3>::write_or_warn(const std::string&, const std::function<void()>&);
 template void Simulation<3>::save_failed_state(const Clock&);

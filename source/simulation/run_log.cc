@@ -196,11 +196,13 @@ void RunLog::write(const std::string& status)
 {
   take_stock(status);
   summary.peak_memory = max_over_ranks(summary.peak_memory, MPI_COMM_WORLD);
-  agree(MPI_COMM_WORLD,
-        [&]
-        {
-          if (rank_of(MPI_COMM_WORLD) == 0)
-            write_summary(summary, path());
-        });
+  const auto write_on_root = [&]
+  {
+    if (rank_of(MPI_COMM_WORLD) == 0)
+      write_summary(summary, path());
+  };
+  const std::string problem = try_to_write("summary", [&] { agree(MPI_COMM_WORLD, write_on_root); });
+  if (!problem.empty())
+    terminal.warn(fmt::format("{}; it does not say yet: {}", problem, status));
 }
 } // namespace kedge

@@ -43,6 +43,7 @@ Simulation<dim>::Simulation(const Input& input_, const RunOptions& options_, Fou
 template <int dim> void Simulation<dim>::generate()
 {
   writer.keep_until(0);
+  pass_on(writer.take_warnings());
   agree(MPI_COMM_WORLD, [&] { checkpoints.remove_files(); });
   copy_input();
   const auto scope = log.timings().measure("generation");
@@ -81,6 +82,7 @@ template <int dim> ExitCode Simulation<dim>::run_stages()
         log.report().line("the linear system is in " + saved_system.path);
         return success;
       }
+      finish_output();
       const std::string ended = std::string("ended by ") + name_of_signal(checkpoints.told_to_end());
       log.finish(ended);
       log.report().line(ended + "; --restart goes on from " + checkpoints.files().latest);
@@ -89,6 +91,7 @@ template <int dim> ExitCode Simulation<dim>::run_stages()
   }
   if (options.dumps)
     throw InputError("--step", fmt::format("the last step of the run is {}", step_number));
+  finish_output();
   log.finish("finished");
   return success;
 }
@@ -339,21 +342,13 @@ template <int dim> StepSummary Simulation<dim>::summarise_step() const
   return summary;
 }
 
-template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
-{
-  const auto scope = log.timings().measure("output");
-  const double time = clock.steps_done() * step_length(stage->stepping);
-  writer.write_if_due({soil.particles(), soil.mesh(), bodies, reactions, touches, stage_number + 1, step_number, time,
-                       finished_time + time},
-                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
-}
-
 template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
 {
   if (log.steps_in_stage() > 0)
   {
     write_or_warn("last output", [&] { write_output(clock, true); });
     write_or_warn("last restart file", [&] { save_failed_state(clock); });
+    write_or_warn("end of output", [&] { finish_output(); });
   }
   ResidualPlace residual;
   if (step && !newton.residuals.empty())

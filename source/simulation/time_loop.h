@@ -21,7 +21,7 @@ public:
   ExitCode run();
 
 private:
-  void copy_input() const;
+  void copy_input();
   void generate();
   void resume();
   ExitCode run_stages();
@@ -45,6 +45,8 @@ private:
   void commit_step();
   StepSummary summarise_step() const;
   void write_output(const Clock& clock, bool even_if_not_due);
+  void finish_output();
+  void pass_on(const std::vector<std::string>& warnings);
   void write_restart_file(const Clock& clock, const std::string& path);
   void save_failed_state(const Clock& clock);
   void write_or_warn(const std::string& place, const std::function<void()>& write);
@@ -63,6 +65,7 @@ private:
   RigidSystems bodies;
   OutputWriter<dim> writer;
   CheckpointSchedule checkpoints;
+  MissedFiles missed_restart_files{"restart files"};
   std::optional<ClockState> resumed; ///< clock of the interrupted stage, on restart
 
   SystemToSave saved_system;            ///< where the run dumps one

@@ -45,6 +45,13 @@ struct FileError : std::runtime_error
   std::string path;
 };
 
+/// A file that the disk does not take: it is full, at a quota or a limit, or fails. There may be room again later, so a
+/// run goes on without the file.
+struct DiskError : FileError
+{
+  using FileError::FileError;
+};
+
 /// Anything else, as another rank reports it: too little memory, or a mistake in the program. Exit code 1.
 struct ProgramError : std::runtime_error
 {

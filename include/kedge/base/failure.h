@@ -6,6 +6,7 @@
 // or the program ends, which prints it and ends all ranks.
 #pragma once
 
+#include <cstdio>
 #include <functional>
 #include <mpi.h>
 #include <string>
@@ -30,14 +31,16 @@ struct Failure
   ExitCode code = success;
   std::string path; ///< of InputError and FileError
   std::string message;
-  bool is_named = true; ///< one of base/exceptions.h
+  bool is_named = true;    ///< one of base/exceptions.h
+  bool is_of_disk = false; ///< a DiskError
 };
 
 /// Of the exception that is being handled.
 Failure current_failure();
 
 /// Does work of this rank. If it throws on any rank, all ranks throw the error of the first that failed, with its
-/// number unless all say the same. Waits for all ranks, so the work must not communicate. Collective.
+/// number unless all say the same; a DiskError only if there is no other. Waits for all ranks, so the work must not
+/// communicate. Collective.
 void agree(MPI_Comm communicator, const std::function<void()>& work);
 
 /// In a catch block: whether every rank handles an error at this place, a named one with the same words, as it does
@@ -47,6 +50,12 @@ bool fails_everywhere(const std::string& place);
 
 /// Throws the error that is being handled again unless fails_everywhere().
 void rethrow_if_alone(const std::string& place);
+
+/// Does collective work that writes files the run can do without. Returns what a DiskError says, or nothing.
+std::string try_to_write(const std::string& place, const std::function<void()>& work);
+
+/// Prints what can be printed: a log on a full disk is no reason to end.
+void print(std::FILE* stream, const std::string& text);
 
 /// For main(): what `program` returns. An error becomes a message with the program's name and its exit code; where one
 /// rank fails alone, it ends all.

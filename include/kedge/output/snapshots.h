@@ -4,10 +4,12 @@
 #include <kedge/contact/contact.h>
 #include <kedge/output/grids.h>
 #include <kedge/output/history.h>
+#include <kedge/output/missed_files.h>
 #include <kedge/output/parameters.h>
 #include <kedge/output/schedule.h>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace kedge
 {
@@ -24,8 +26,9 @@ template <int dim> struct Snapshot
   double time, total_time; ///< since the stage began (static: load fraction), since the run began
 };
 
-/// Writes the particles, bodies and cells of a run when they are due. All functions are collective; a FileError of one
-/// rank is thrown on all.
+/// Writes the particles, bodies and cells of a run when they are due. What the disk has no room for is a warning; rows
+/// of the bodies' table and entries of the lists follow when there is room. All functions are collective; any other
+/// FileError of one rank is thrown on all.
 template <int dim> class OutputWriter
 {
 public:
@@ -39,11 +42,17 @@ public:
   void begin_stage(unsigned int n_steps);
   /// Writes nothing twice: neither a step that this run has written nor, after a restart, one of the earlier run.
   void write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
+  /// At the end of a run: tries once more to write what waits, and sums up what is missing.
+  void finish();
+  /// Those since this was asked last, on rank 0.
+  std::vector<std::string> take_warnings() { return std::exchange(warnings, {}); }
 
 private:
   using Layers = std::vector<std::vector<ParticleView>>;
 
   void write_snapshot(const Snapshot<dim>& state, const Layers& layers);
+  void write_tables(const Snapshot<dim>& state, const Layers& layers);
+  void write_rows(const std::function<void()>& of_root);
   void write_piece(const std::string& series, UnstructuredGrid grid, const Snapshot<dim>& state);
   void write_on_root(const std::string& series, const UnstructuredGrid& grid, const Snapshot<dim>& state);
   void list(const std::string& series, const std::string& file, double time);
@@ -56,7 +65,10 @@ private:
   std::vector<std::vector<ParticleField>> vtk_particle_fields, csv_particle_fields; ///< by layer
   std::vector<BodyField> vtk_body_fields;
   BodyHistory history;
-  std::map<std::string, PvdSeries> series_lists;  ///< by the start of the files' names
+  std::map<std::string, PvdSeries> series_lists; ///< by the start of the files' names
+  MissedFiles missed_vtk{"VTK files"}, missed_csv{"tables of material points"};
+  bool rows_wait = false; ///< of the history
+  std::vector<std::string> warnings;
   std::optional<unsigned int> resumed;            ///< last step of the earlier run that counts
   std::optional<unsigned int> vtk_step, csv_step; ///< step that was written last
 };

@@ -1,4 +1,4 @@
-// Reads and writes whole files at once. Errors name the file.
+// Reads and writes whole files at once. Errors name the file; what the disk does not take is a DiskError.
 #pragma once
 
 #include <string>
@@ -11,12 +11,16 @@ std::string last_system_message();
 /// Writes `text` (any bytes) to `path`; replaces an existing file. Throws FileError.
 void write_text_file(const std::string& path, const std::string& text);
 
-/// Adds `text` to the end of the file. Throws FileError.
+/// Adds `text` to the end of the file, all of it or nothing. Throws FileError.
 void append_text(const std::string& path, const std::string& text);
 
 /// As write_text_file, but writes under a second name and renames the file, so a reader sees the old file or the new
-/// one, never a part.
+/// one, never a part. What could not be written is removed.
 void replace_text_file(const std::string& path, const std::string& text);
+
+/// The second name, and how it becomes the name of the file. Throws FileError.
+std::string draft_of(const std::string& path);
+void give_name(const std::string& path);
 
 /// Everything in the file. Throws FileError.
 std::string read_text_file(const std::string& path);

@@ -54,13 +54,17 @@ public:
 
   /// Keeps the entries of an earlier run up to and including `step`. A missing file counts as an empty list.
   void resume_after(unsigned int step);
-  /// Appends a file (named relative to the list) and rewrites the list. Throws FileError.
+  /// Appends a file (named relative to the list) and rewrites the list. Throws FileError; the next call writes what
+  /// this one could not.
   void add(double time, const std::string& file);
   /// Writes the list as it is.
-  void write() const;
+  void write();
+  /// Whether all of the list is in its file.
+  bool is_written() const { return written; }
 
 private:
   std::string path;
+  bool written = true;
   std::vector<std::pair<double, std::string>> entries;
 };
 } // namespace kedge

@@ -35,8 +35,8 @@ struct RunOptions
 };
 
 /// Runs all stages. Returns success, or told_to_end or interrupted where a signal ended the run after a step, with a
-/// restart file written. Throws SolverError where a
-/// step fails at its smallest size (the state reached is written first, also as a restart file), FileError where output
-/// cannot be written, and InputError where the run has no such system as it is to dump. Collective.
+/// restart file written. Throws SolverError where a step fails at its smallest size (the state reached is written
+/// first, also as a restart file), FileError where output cannot be written, unless only the disk has no room, and
+/// InputError where the run has no such system as it is to dump. Collective.
 ExitCode run_simulation(const Input& input, const RunOptions& options);
 } // namespace kedge

@@ -41,6 +41,40 @@ TEST(Agreement, AllRanksThrowTheErrorOfOne)
   EXPECT_EQ(agreed<InputError>(InputError("x", "is wrong", "do y")), prefix() + "x: is wrong; do y");
 }
 
+TEST(Agreement, DiskErrorStaysOne)
+{
+  EXPECT_EQ(agreed<DiskError>(DiskError("a.vtu", "is full")), prefix() + "a.vtu: is full");
+}
+
+TEST(Agreement, DiskErrorHidesNoOtherOne)
+{
+  if (size_of(world) == 1)
+    GTEST_SKIP() << "one rank has one error";
+  const auto fail = []
+  {
+    if (is_last())
+      throw SolverError("too stiff");
+    throw DiskError("a.vtu", "is full");
+  };
+  EXPECT_THROW(agree(world, fail), SolverError);
+}
+
+TEST(Agreement, WorkThatTheDiskRefusesIsLeft)
+{
+  const auto write = [](const bool fits)
+  {
+    agree(world,
+          [&]
+          {
+            if (is_last() && !fits)
+              throw DiskError("a.vtu", "is full");
+          });
+  };
+  EXPECT_EQ(try_to_write("test", [&] { write(true); }), "");
+  EXPECT_EQ(try_to_write("test", [&] { write(false); }), prefix() + "a.vtu: is full");
+  EXPECT_THROW(try_to_write("test", [] { throw FileError("a.vtu", "is not yours"); }), FileError);
+}
+
 TEST(Agreement, OtherErrorsBecomeOneThatIsNamed)
 {
   if (size_of(world) == 1)
