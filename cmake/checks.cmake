@@ -54,6 +54,9 @@ add_test(NAME fuzz COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/f
 set_tests_properties(fuzz PROPERTIES LABELS scene TIMEOUT 600)
 add_test(NAME soak COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/soak $<TARGET_FILE:kedge> --steps 600)
 set_tests_properties(soak PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
+add_test(NAME soak-window COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/soak $<TARGET_FILE:kedge>
+                                  --scene sled-in-window --steps 400)
+set_tests_properties(soak-window PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
 add_test(NAME package COMMAND ${PROJECT_SOURCE_DIR}/tests/program/package ${PROJECT_BINARY_DIR})
 set_tests_properties(package PROPERTIES LABELS package TIMEOUT 300)
 add_test(NAME commit COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/commit ${CMAKE_COMMAND})
