@@ -231,7 +231,10 @@ NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numberin
     graph.send_begin.push_back(begin[v]);
   fill_targets(graph, rows, begin, received);
 
-  graph.row_map = make_dof_map(dim, column_global, graph.n_owned);
+  // Numbers that follow each other over the ranks tell everybody whose they are. A map of a list would ask for it in
+  // each step, ranks that are no neighbours, too.
+  graph.row_map = Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                                             std::size_t(dim) * graph.n_owned, 0, Tpetra::getDefaultComm()));
   graph.column_map = make_dof_map(dim, column_global, graph.n_columns);
   graph.matrix_graph = make_matrix_graph(graph, rows);
   return graph;

@@ -1,9 +1,57 @@
 #include <Teuchos_CommHelpers.hpp>
+#include <algorithm>
+#include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/steps/rigid_unknowns.h>
+#include <utility>
 
 namespace kedge
 {
+namespace
+{
+/// Sums the contributions of all ranks to the owned dofs: `width` values per local dof. Bodies touch few nodes, so a
+/// rank sends what is not zero, in one message to each owner. Collective.
+Teuchos::RCP<TpetraMultiVector> collect(const std::vector<double>& local, const std::size_t width, const System& system)
+{
+  const NodeGraph& graph = system.graph();
+  const auto owned = Teuchos::rcp(new TpetraMultiVector(graph.row_map, width));
+  {
+    const auto view = owned->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t dof = 0; dof < view.extent(0); ++dof)
+      for (std::size_t i = 0; i < width; ++i)
+        view(dof, i) = local[width * dof + i];
+    std::vector<GlobalOrdinal> touched; // of other ranks
+    std::vector<std::size_t> at;
+    for (std::size_t dof = view.extent(0); dof < local.size() / width; ++dof)
+      if (std::any_of(&local[width * dof], &local[width * dof] + width, [](const double value) { return value != 0.; }))
+      {
+        touched.push_back(graph.column_map->getGlobalElement(dof));
+        at.push_back(width * dof);
+      }
+    std::vector<int> owner(touched.size());
+    graph.row_map->getRemoteIndexList(Teuchos::arrayViewFromVector(std::as_const(touched)),
+                                      Teuchos::arrayViewFromVector(owner));
+    std::vector<std::vector<double>> to_rank(size_of(graph.communicator));
+    for (std::size_t k = 0; k < touched.size(); ++k)
+    {
+      std::vector<double>& message = to_rank[owner[k]];
+      message.push_back(static_cast<double>(touched[k]));
+      message.insert(message.end(), &local[at[k]], &local[at[k]] + width);
+    }
+    for (const std::vector<double>& message : exchange_between_ranks(to_rank, graph.communicator))
+      for (std::size_t row = 0; row < message.size(); row += 1 + width)
+      {
+        const auto dof = graph.row_map->getLocalElement(static_cast<GlobalOrdinal>(message[row]));
+        for (std::size_t i = 0; i < width; ++i)
+          view(dof, i) += message[row + 1 + i];
+      }
+  }
+  for (std::size_t i = 0; i < width; ++i)
+    system.zero_constrained(*owned->getVectorNonConst(i));
+  return owned;
+}
+} // namespace
+
 RigidUnknowns::RigidUnknowns(const RigidSystems& bodies, const bool active,
                              const Teuchos::RCP<const TpetraMap>& nodal_map_)
     : nodal_map(nodal_map_), all_map(nodal_map_)
@@ -63,19 +111,6 @@ std::vector<Vector6> RigidUnknowns::fill(std::vector<Vector6> increments, const 
   return increments;
 }
 
-Teuchos::RCP<TpetraMultiVector> RigidUnknowns::collect(const std::vector<NodalVector>& local,
-                                                       const System& system) const
-{
-  const auto owned = Teuchos::rcp(new TpetraMultiVector(nodal_map, local.size()));
-  for (std::size_t i = 0; i < local.size(); ++i)
-  {
-    const auto column = owned->getVectorNonConst(i);
-    system.collect(local[i], *column);
-    system.zero_constrained(*column);
-  }
-  return owned;
-}
-
 Border RigidUnknowns::border(const RigidBalance& balance, const ContactCoupling& coupling, const PointForces& points,
                              const std::vector<Vector6>& increments, const System& system) const
 {
@@ -92,12 +127,9 @@ Border RigidUnknowns::border(const RigidBalance& balance, const ContactCoupling&
         border.corner(i, j) -=
             map[point].col(dofs[i].dof).dot(coupling.load_by_body[point] * map[point].col(dofs[j].dof));
 
-  std::vector<NodalVector> columns, rows;
-  for (std::size_t i = 0; i < dofs.size(); ++i)
-  {
-    columns.push_back(system.make_nodal_vector());
-    rows.push_back(system.make_nodal_vector());
-    const auto column = Kokkos::create_mirror_view(columns[i]), row = Kokkos::create_mirror_view(rows[i]);
+  const std::size_t n = dofs.size(), width = 2 * n; // columns, then rows
+  std::vector<double> values(width * dim * system.graph().n_columns, 0.);
+  for (std::size_t i = 0; i < n; ++i)
     for (const ContactCoupling::Entry& entry : coupling.entries)
     {
       if (entry.rigid_point != dofs[i].point)
@@ -108,16 +140,14 @@ Border RigidUnknowns::border(const RigidBalance& balance, const ContactCoupling&
       for (unsigned int v = points.begin[entry.contact_point]; v < points.begin[entry.contact_point + 1]; ++v)
         for (unsigned int c = 0; c < dim; ++c)
         {
-          const std::size_t dof = static_cast<std::size_t>(dim) * points.nodes[v] + c;
-          column(dof) -= points.weights[v] * force[world_axis(dim, c)];
-          row(dof) -= points.weights[v] * load[world_axis(dim, c)];
+          double* const of_dof = values.data() + width * (static_cast<std::size_t>(dim) * points.nodes[v] + c);
+          of_dof[i] -= points.weights[v] * force[world_axis(dim, c)];
+          of_dof[n + i] -= points.weights[v] * load[world_axis(dim, c)];
         }
     }
-    Kokkos::deep_copy(columns[i], column);
-    Kokkos::deep_copy(rows[i], row);
-  }
-  border.columns = collect(columns, system);
-  border.rows = collect(rows, system);
+  const auto all = collect(values, width, system);
+  border.columns = all->subCopy(Teuchos::Range1D(0, n - 1));
+  border.rows = all->subCopy(Teuchos::Range1D(n, width - 1));
   return border;
 }
 

@@ -44,8 +44,6 @@ public:
   void hold(Border& border, double stiffness, double lever) const;
 
 private:
-  Teuchos::RCP<TpetraMultiVector> collect(const std::vector<NodalVector>& local, const System& system) const;
-
   std::vector<FreeDof> dofs;
   Teuchos::RCP<const TpetraMap> nodal_map, all_map;
 };
