@@ -40,7 +40,7 @@ set_tests_properties(command-line PROPERTIES LABELS scene TIMEOUT 300)
 add_test(NAME faults COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/faults $<TARGET_FILE:kedge>)
 set_tests_properties(faults PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
 add_test(NAME full-disk COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/full-disk $<TARGET_FILE:kedge>)
-set_tests_properties(full-disk PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
+set_tests_properties(full-disk PROPERTIES LABELS scene TIMEOUT 600 PROCESSORS 2)
 add_test(NAME replay COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/program/replay $<TARGET_FILE:kedge>
                              $<TARGET_FILE:kedge-replay>)
 set_tests_properties(replay PROPERTIES LABELS scene TIMEOUT 300 PROCESSORS 2)
