@@ -166,7 +166,7 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
   const auto ghost = [&]
   {
     return assemble(system, [&](const NodeGraph& graph, const View<double*>& values)
-                    { add_ghost_matrix<dim>(faces, at_rest, graph, values); });
+                    { add_ghost_matrix<dim>(faces, linearise_ghost<dim>(faces, at_rest), graph, values); });
   };
   if (kind == Kind::mass)
   {

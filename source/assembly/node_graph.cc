@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <kedge/assembly/node_graph.h>
 #include <kedge/base/communication.h>
+#include <type_traits>
 #include <unordered_map>
 
 namespace kedge
@@ -71,6 +72,15 @@ NodeGraph start_graph(const unsigned int dim, const NodeNumbering& numbering)
   return graph;
 }
 
+/// A mirror that is written as a whole.
+HostView<unsigned int*> host_room(const View<unsigned int*>& device)
+{
+  if constexpr (std::is_same_v<HostView<unsigned int*>::memory_space, MemorySpace>)
+    return device;
+  else
+    return HostView<unsigned int*>(Kokkos::view_alloc(device.label(), Kokkos::WithoutInitializing), device.extent(0));
+}
+
 /// Returns the begin of each row.
 std::vector<std::size_t> upload_rows(const Rows& rows, NodeGraph& graph)
 {
@@ -78,8 +88,8 @@ std::vector<std::size_t> upload_rows(const Rows& rows, NodeGraph& graph)
   for (unsigned int v = 0; v < graph.n_rows; ++v)
     begin[v + 1] = begin[v] + rows[v].size();
   graph.row_begin = upload(begin, "row begin");
-  graph.column = View<unsigned int*>("columns", begin.back());
-  const auto host_column = Kokkos::create_mirror_view(graph.column);
+  graph.column = View<unsigned int*>(Kokkos::view_alloc("columns", Kokkos::WithoutInitializing), begin.back());
+  const auto host_column = host_room(graph.column);
   for (unsigned int v = 0; v < graph.n_rows; ++v)
     std::copy(rows[v].begin(), rows[v].end(), host_column.data() + begin[v]);
   Kokkos::deep_copy(graph.column, host_column);
@@ -168,27 +178,29 @@ void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::siz
   }
 }
 
-Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const Rows& rows)
+Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const std::size_t n_owned_blocks)
 {
   // Every node row stands for dim rows, every node column for dim columns.
-  const unsigned int dim = graph.dim;
+  const int dim = static_cast<int>(graph.dim), n = static_cast<int>(graph.n_owned);
   using LocalGraph = TpetraGraph::local_graph_device_type;
-  typename LocalGraph::row_map_type::non_const_type begin("row begin", dim * graph.n_owned + 1);
-  auto host_begin = Kokkos::create_mirror_view(begin);
-  host_begin(0) = 0;
-  for (unsigned int v = 0; v < graph.n_owned; ++v)
-    for (unsigned int d = 0; d < dim; ++d)
-      host_begin(dim * v + d + 1) = host_begin(dim * v + d) + dim * rows[v].size();
-  typename LocalGraph::entries_type::non_const_type column("columns", host_begin(dim * graph.n_owned));
-  auto host_column = Kokkos::create_mirror_view(column);
-  std::size_t entry = 0;
-  for (unsigned int v = 0; v < graph.n_owned; ++v)
-    for (unsigned int d = 0; d < dim; ++d)
-      for (const unsigned int w : rows[v])
-        for (unsigned int e = 0; e < dim; ++e)
-          host_column(entry++) = dim * w + e;
-  Kokkos::deep_copy(begin, host_begin);
-  Kokkos::deep_copy(column, host_column);
+  using Policy = Kokkos::RangePolicy<ExecutionSpace>;
+  const typename LocalGraph::row_map_type::non_const_type begin("row begin", std::size_t(dim) * n + 1);
+  const typename LocalGraph::entries_type::non_const_type column(
+      Kokkos::view_alloc("columns", Kokkos::WithoutInitializing), dim * dim * n_owned_blocks);
+  const auto node_begin = graph.row_begin;
+  const auto node_column = graph.column;
+  Kokkos::parallel_for(
+      "rows of matrix", Policy(0, n), KOKKOS_LAMBDA(const int v) {
+        const std::size_t first = node_begin(v), length = node_begin(v + 1) - first;
+        for (int i = 0; i < dim; ++i)
+        {
+          const std::size_t row = dim * (dim * first + i * length);
+          begin(dim * v + i + 1) = row + dim * length;
+          for (std::size_t k = 0; k < length; ++k)
+            for (int j = 0; j < dim; ++j)
+              column(row + dim * k + j) = static_cast<LocalOrdinal>(dim * node_column(first + k) + j);
+        }
+      });
   auto matrix_graph = Teuchos::rcp(new TpetraGraph(graph.row_map, graph.column_map, begin, column));
   matrix_graph->expertStaticFillComplete(graph.row_map, graph.row_map);
   return matrix_graph;
@@ -236,7 +248,7 @@ NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numberin
   graph.row_map = Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                                              std::size_t(dim) * graph.n_owned, 0, Tpetra::getDefaultComm()));
   graph.column_map = make_dof_map(dim, column_global, graph.n_columns);
-  graph.matrix_graph = make_matrix_graph(graph, rows);
+  graph.matrix_graph = make_matrix_graph(graph, begin[graph.n_owned]);
   return graph;
 }
 
