@@ -13,6 +13,19 @@ namespace
 constexpr double residual_limit = 1e-10, product_limit = 1e-6;
 /// Preconditioners differ, and so does where GMRES stops; it measures its residual by recurrence.
 constexpr double tolerance_factor = 1.1;
+/// Between two residuals only the rigid unknowns and the coarsest level of multigrid may cross the bus, bytes.
+constexpr double most_copied = 1e5;
+
+/// Parts of an iteration, other than the renewal of the hierarchy, that copy more between host and device.
+std::string parts_that_copy(const kedge::ReplayReport& report)
+{
+  std::string names;
+  for (const kedge::ReplayedPart& part : report.parts)
+    for (const char* const name : {"residual", "tangent", "product", "matrix", "solution"})
+      if (part.name == name && part.copied_bytes > most_copied)
+        names += (names.empty() ? "" : ", ") + part.name;
+  return names;
+}
 
 int run_program(const kedge::Environment& environment, const int argc, char** argv)
 {
@@ -20,9 +33,11 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
       "Computes a linear system that \"kedge dump-step\" has written, times its parts on this build's back end "
       "and compares the answers with those of the run");
   app.name("kedge-replay");
-  app.footer("With as many ranks as the run had: mpirun -n 2 kedge-replay FILE\n"
-             "Options that begin with --kokkos- go to Kokkos: --kokkos-num-threads=8\n"
-             "Exit codes: 0 done, 2 wrong command line, 3 the answers differ, 4 the file could not be read");
+  app.footer(
+      "With as many ranks as the run had: mpirun -n 2 kedge-replay FILE\n"
+      "Options that begin with --kokkos- go to Kokkos: --kokkos-num-threads=8\n"
+      "Exit codes: 0 done, 2 wrong command line, 3 the answers differ or an iteration copies vectors between host "
+      "and device, 4 the file could not be read");
   std::string path;
   kedge::ReplayOptions options;
   app.add_option("FILE", path, "What \"kedge dump-step\" has written")->required();
@@ -54,13 +69,16 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
   const kedge::ReplayReport report = kedge::replay_step(path, options);
   const bool agrees = report.residual_difference <= residual_limit && report.product_difference <= product_limit &&
                       report.solution_residual <= tolerance_factor * report.tolerance;
+  const std::string copying = parts_that_copy(report);
   if (environment.rank() == 0)
   {
     fmt::print("{}", kedge::format_replay(report, kedge::ExecutionSpace::name()));
     if (!agrees)
       fmt::print("the answers differ by more than {:.0e}, {:.0e} and the tolerance\n", residual_limit, product_limit);
+    if (!copying.empty())
+      fmt::print("copied between host and device: more than {:.0f} kB in {}\n", 1e-3 * most_copied, copying);
   }
-  return agrees ? kedge::success : kedge::solver_failure;
+  return agrees && copying.empty() ? kedge::success : kedge::solver_failure;
 }
 } // namespace
 

@@ -16,8 +16,8 @@ namespace
 using Operator = TpetraOperator;
 using MultiVector = TpetraMultiVector;
 
-/// Below this number of dofs a factorisation is faster than setting up a hierarchy.
-constexpr std::size_t always_direct_below = 2000;
+/// Below this number of dofs a factorisation is faster than a hierarchy and its iterations.
+constexpr std::size_t always_direct_below_2d = 2000, always_direct_below_3d = 700;
 /// Above this number of dofs a factorisation takes minutes and gigabytes, because of fill-in.
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
 /// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
@@ -248,7 +248,8 @@ bool LinearSolver::prefers_direct(const std::size_t n_equations) const
 {
   const LinearSolverChoice choice = implementation->parameters.linear_solver;
   return choice == LinearSolverChoice::direct ||
-         (choice == LinearSolverChoice::automatic && n_equations < always_direct_below);
+         (choice == LinearSolverChoice::automatic &&
+          n_equations < (implementation->block_size == 2 ? always_direct_below_2d : always_direct_below_3d));
 }
 
 LinearReport LinearSolver::solve(const TpetraVector& right_side, TpetraVector& x, const double relative_tolerance)
