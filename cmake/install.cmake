@@ -44,6 +44,12 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin, python3-numpy, python3-scipy, python3-matplotlib, python3-jsonschema")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+    "openmpi-bin, python3-numpy, python3-scipy, python3-matplotlib, python3-pil, python3-jsonschema")
+# Programs that link Kedge need these.
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS
+    "libdeal.ii-dev, libtrilinos-tpetra-dev, libtrilinos-belos-dev, libtrilinos-muelu-dev, libtrilinos-ifpack2-dev, \
+libtrilinos-amesos2-dev, libtrilinos-kokkos-dev, libsuitesparse-dev, libopenmpi-dev, libeigen3-dev, \
+nlohmann-json3-dev, libcli11-dev, libfmt-dev, libcgal-dev, zlib1g-dev")
 set(CPACK_STRIP_FILES ON)
 include(CPack)

@@ -1,4 +1,6 @@
-# Recipe for Spack: packaging/spack/spack.yaml makes an environment of it.
+# Recipe for Spack 1.0 or later: packaging/spack/spack.yaml makes an environment of it.
+from spack_repo.builtin.build_systems.cmake import CMakePackage, generator
+
 from spack.package import *
 
 
@@ -16,19 +18,26 @@ class Kedge(CMakePackage):
     depends_on("cmake@3.20:", type="build")
     depends_on("ninja", type="build")
     depends_on("mpi")
-    depends_on("dealii@9.4: +mpi+p4est+hdf5+trilinos+cgal~examples")
-    depends_on("trilinos@13.2: +tpetra+belos+muelu+ifpack2+amesos2 gotype=long_long")
+    # The versions that Kedge is tested with, on Debian 12 and 13; what deal.II builds by default takes hours and Kedge
+    # does not use it.
+    depends_on("dealii@9.4:9.6 +mpi+p4est+hdf5+trilinos+threads"
+               "~adol-c~arborx~arpack~assimp~cgal~examples~ginkgo~gmsh~gsl~opencascade~petsc~scalapack~slepc~sundials"
+               "~symengine")
+    depends_on("dealii~vtk", when="^dealii@9.6")
+    depends_on("trilinos@13.2 +mpi+kokkos+tpetra+belos+muelu+ifpack2+amesos2 gotype=long_long cxxstd=17")
     depends_on("suite-sparse")
-    depends_on("eigen@3.4:")
-    depends_on("nlohmann-json@3.11:")
-    depends_on("cli11@2.3:")
+    depends_on("hdf5+mpi")
+    depends_on("eigen@3.4")
+    depends_on("nlohmann-json@3.11:3")
+    depends_on("cli11@2.3:2")
     depends_on("fmt@9:10")
-    depends_on("cgal@5.5:")
+    depends_on("cgal@5.5:6")
     depends_on("muparser")
     depends_on("zlib-api")
     depends_on("py-numpy", type="run")
     depends_on("py-scipy", type="run")
     depends_on("py-matplotlib", type="run")
+    depends_on("py-pillow", type="run")
     depends_on("py-jsonschema", type="run")
 
     generator("ninja")
