@@ -18,11 +18,10 @@ View<unsigned char*> flags_of(const NodalVector& mark)
 }
 } // namespace
 
-System::System(const unsigned int dim_, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
+System::System(const unsigned int dim, const NodeNumbering& numbering, const std::vector<NodeLists>& couplings,
                const std::vector<unsigned char>& constrained)
-    : dim(dim_),
-      node_graph(build_node_graph(dim_, numbering, couplings)),
-      exchange(std::size_t(dim_) * node_graph.n_columns, node_graph.row_map, node_graph.column_map,
+    : node_graph(build_node_graph(dim, numbering, couplings)),
+      exchange(std::size_t(dim) * node_graph.n_columns, node_graph.row_map, node_graph.column_map,
                node_graph.matrix_graph->getImporter()),
       all_values("matrix values", node_graph.n_values())
 {

@@ -35,7 +35,6 @@ public:
   void finish_matrix();
 
 private:
-  unsigned int dim;
   NodeGraph node_graph;
   NodalExchange exchange;
   View<double*> all_values;

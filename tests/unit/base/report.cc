@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
