@@ -44,67 +44,6 @@ double relative_residual(const TpetraOperator& product, const TpetraVector& righ
   return residual.norm2() / right_side.norm2();
 }
 
-/// The particles of one pattern, to the entries that its nodes couple.
-struct ParticleMassKernel
-{
-  ParticleArrays particles;
-  StencilSet stencils;
-  bool lumped;
-  View<std::size_t*> row_begin;
-  View<unsigned int*> column;
-  NodalMass mass;
-
-  static constexpr unsigned int block = 32; ///< columns whose sums are held at once
-
-  KEDGE_FUNCTION void operator()(const std::size_t pattern) const
-  {
-    const unsigned int first = stencils.pattern_node_begin(pattern);
-    const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-    for (unsigned int a = 0; a < n; ++a)
-    {
-      const unsigned int row = stencils.pattern_nodes(first + a);
-      if (lumped)
-      {
-        double sum = 0.;
-        visit_particles(pattern, a, [&](const double share, const double*) { sum += share; });
-        add_to(mass(find_entry(row_begin, column, row, row)), sum);
-        continue;
-      }
-      std::size_t at = row_begin(row);
-      for (unsigned int b = 0; b < n; b += block)
-      {
-        const unsigned int length = b + block < n ? block : n - b;
-        double sums[block] = {};
-        visit_particles(pattern, a,
-                        [&](const double share, const double* const value)
-                        {
-                          for (unsigned int i = 0; i < length; ++i)
-                            sums[i] += share * value[b + i];
-                        });
-        for (unsigned int i = 0; i < length; ++i)
-        {
-          while (column(at) != stencils.pattern_nodes(first + b + i)) // both lists ascend
-            ++at;
-          add_to(mass(at), sums[i]);
-        }
-      }
-    }
-  }
-
-  /// Calls visit(m S_a, S) for every particle of the pattern.
-  template <typename Visit>
-  KEDGE_FUNCTION void visit_particles(const std::size_t pattern, const unsigned int a, const Visit& visit) const
-  {
-    for (unsigned int i = stencils.pattern_particle_begin(pattern); i < stencils.pattern_particle_begin(pattern + 1);
-         ++i)
-    {
-      const unsigned int p = stencils.pattern_particles(i);
-      const double* value = &stencils.value(stencils.value_begin(p));
-      visit(particles.mass(p) * value[a], value);
-    }
-  }
-};
-
 /// Of the owned dofs; constrained ones have 1.
 TpetraVector diagonal_of(const NodeGraph& graph, const NodalMass& mass, const System& system)
 {
@@ -128,8 +67,34 @@ TpetraVector diagonal_of(const NodeGraph& graph, const NodalMass& mass, const Sy
 void add_particle_mass(const ParticleArrays& particles, const StencilSet& stencils, const bool lumped,
                        const NodeGraph& graph, const NodalMass& mass)
 {
-  Kokkos::parallel_for("particle mass", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_patterns),
-                       ParticleMassKernel{particles, stencils, lumped, graph.row_begin, graph.column, mass});
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  Kokkos::parallel_for(
+      "particle mass", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_patterns),
+      KOKKOS_LAMBDA(const std::size_t pattern) {
+        const unsigned int first = stencils.pattern_node_begin(pattern);
+        const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
+        const unsigned int begin = stencils.pattern_particle_begin(pattern),
+                           end = stencils.pattern_particle_begin(pattern + 1);
+        for (unsigned int a = 0; a < n; ++a)
+        {
+          const unsigned int row = stencils.pattern_nodes(first + a);
+          std::size_t at = lumped ? find_entry(row_begin, column, row, row) : row_begin(row);
+          for (unsigned int b = lumped ? a : 0; b < (lumped ? a + 1 : n); ++b)
+          {
+            while (column(at) != stencils.pattern_nodes(first + b)) // both lists ascend
+              ++at;
+            double sum = 0.;
+            for (unsigned int i = begin; i < end; ++i)
+            {
+              const unsigned int p = stencils.pattern_particles(i);
+              const double* value = &stencils.value(stencils.value_begin(p));
+              sum += particles.mass(p) * value[a] * (lumped ? 1. : value[b]);
+            }
+            add_to(mass(at), sum);
+          }
+        }
+      });
 }
 
 void add_mass_times(const NodeGraph& graph, const NodalMass& mass, const double factor, const NodalVector& x,
