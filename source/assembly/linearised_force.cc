@@ -236,7 +236,7 @@ template <int dim> struct ProductKernel
       Row f = w[0] * gradient[dim * v];
       for (int m = 1; m < dim; ++m)
         f += w[m] * gradient[dim * v + m];
-      add_to<lanes>(&force(std::size_t(lanes) * at.node[v]), f.matrix());
+      add_to<lanes, dim>(&force(std::size_t(lanes) * at.node[v]), f.matrix());
     }
   }
 };

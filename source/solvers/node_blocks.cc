@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <cmath>
+#include <kedge/base/groups.h>
 #include <kedge/solvers/node_blocks.h>
 #include <limits>
 
@@ -81,22 +82,60 @@ template <int size> struct CopyBlocks
   LocalMatrix local;
   NodeBlocks held;
 
-  KEDGE_FUNCTION void operator()(const int v) const
+  using Block = Eigen::Matrix<double, size, size>;
+
+  KEDGE_FUNCTION void operator()(const GroupMember& group, const double*, const unsigned int v) const
+  {
+    const int begin = held.row_begin(v), n = held.row_begin(v + 1) - begin + 1;
+    if (!is_full(v, n))
+    {
+      Kokkos::single(Kokkos::PerThread(group), [&] { copy_in_turn(static_cast<int>(v)); });
+      return;
+    }
+    const std::size_t first = local.graph.row_map(size * v), length = std::size_t(size) * n;
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
+                         [&](const int k)
+                         {
+                           const int w = local.graph.entries(first + size * k) / size;
+                           Block block;
+                           for (int i = 0; i < size; ++i)
+                             for (int j = 0; j < size; ++j)
+                               block(i, j) = local.values(first + i * length + size * k + j);
+                           write(static_cast<int>(v), w, begin + k - (w > static_cast<int>(v)), block);
+                         });
+  }
+
+  /// Whether the rows of node v hold n whole blocks, so that each begins at a multiple of `size`.
+  KEDGE_FUNCTION bool is_full(const unsigned int v, const int n) const
+  {
+    bool full = true;
+    for (int i = 0; i < size; ++i)
+      full = full && local.graph.row_map(size * v + i + 1) - local.graph.row_map(size * v + i) == std::size_t(size) * n;
+    return full;
+  }
+
+  KEDGE_FUNCTION void copy_in_turn(const int v) const
   {
     int to = held.row_begin(v);
     visit_blocks<size>(local, v,
-                       [&](const int w, const auto& block)
+                       [&](const int w, const Block& block)
                        {
-                         if (w == v)
-                         {
-                           const std::size_t at = std::size_t(lanes) * size * v;
-                           write_block<size>(block, &held.diagonal(at));
-                           write_block<size>(safe_inverse<size>(block), &held.inverse(at));
-                           return;
-                         }
-                         held.column(to) = w;
-                         write_block<size>(block, &held.blocks(std::size_t(lanes) * size * to++));
+                         write(v, w, to, block);
+                         to += w != v;
                        });
+  }
+
+  KEDGE_FUNCTION void write(const int v, const int w, const int to, const Block& block) const
+  {
+    if (w == v)
+    {
+      const std::size_t at = std::size_t(lanes) * size * v;
+      write_block<size>(block, &held.diagonal(at));
+      write_block<size>(safe_inverse<size>(block), &held.inverse(at));
+      return;
+    }
+    held.column(to) = w;
+    write_block<size>(block, &held.blocks(std::size_t(lanes) * size * to));
   }
 };
 
@@ -131,8 +170,8 @@ void renew_node_blocks(const TpetraMatrix& matrix, const NodeBlocks& blocks)
 {
   const auto local = matrix.getLocalMatrixDevice();
   if (blocks.block_size == 2)
-    Kokkos::parallel_for("copy blocks", Policy(0, blocks.n_nodes), CopyBlocks<2>{local, blocks});
+    for_each_in_groups("copy blocks", blocks.n_nodes, 0, CopyBlocks<2>{local, blocks});
   else
-    Kokkos::parallel_for("copy blocks", Policy(0, blocks.n_nodes), CopyBlocks<3>{local, blocks});
+    for_each_in_groups("copy blocks", blocks.n_nodes, 0, CopyBlocks<3>{local, blocks});
 }
 } // namespace kedge

@@ -25,8 +25,8 @@ KEDGE_FUNCTION void add_to(double& target, const double value)
   Kokkos::atomic_add(&target, value);
 }
 
-/// The same for n numbers that are neighbours in memory.
-template <int n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<double, n, 1>& values)
+/// The same for n numbers that are neighbours in memory, of which the first `used` count.
+template <int n, int used = n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<double, n, 1>& values)
 {
 #ifdef KOKKOS_ENABLE_SERIAL
   if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
@@ -36,7 +36,7 @@ template <int n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<
     return;
   }
 #endif
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < used; ++i)
     Kokkos::atomic_add(target + i, values[i]);
 }
 
