@@ -126,6 +126,8 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   TpetraVector product(system.graph().row_map);
   {
     const auto saved = vectors_of(step.solution, system.graph().row_map, 1);
+    for (const TpetraMultiVector* const vectors : {saved.get(), static_cast<TpetraMultiVector*>(&product)})
+      vectors->getLocalViewDevice(Tpetra::Access::ReadOnly); // what the host has written goes there once
     time("product", [&] { linear.product->apply(*saved, product); });
   }
   report.product_difference = difference(values_of(product), step.product, communicator);

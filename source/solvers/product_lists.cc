@@ -7,7 +7,7 @@ ProductLists list_products(const CoarseNodes& at)
 {
   ProductLists lists;
   constexpr int unseen = -1, of_diagonal = -1;
-  std::vector<int> position(at.aggregates.n + at.ghosts.size(), unseen), columns, count, begin;
+  std::vector<int> position(at.aggregates.n + at.ghosts.size(), unseen), columns, begin;
   std::vector<std::pair<int, int>> sorted; // node and block
   for (int row = 0; row < at.aggregates.n; ++row)
   {
