@@ -20,7 +20,7 @@ using MultiVector = TpetraMultiVector;
 constexpr std::size_t always_direct_below_2d = 2000, always_direct_below_3d = 700;
 /// Above this number of dofs a factorisation takes minutes and gigabytes, because of fill-in.
 constexpr std::size_t never_direct_above_2d = 60000, never_direct_above_3d = 20000;
-/// MueLu refuses modes that vanish on an aggregate. On an aggregate of constrained nodes they would.
+/// Share of a mode that constrained unknowns have. What is that small counts as none (coarse_nodes.cc).
 constexpr double almost_zero = 1e-10;
 /// Shares of the other entries of a row: what its diagonal has at least, and what it gets in addition. On a plate
 /// pulled through sand, shares of 0.01 to 0.05 save a sixth of GMRES's iterations.
