@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <kedge/assembly/node_graph.h>
+#include <kedge/base/block_graph.h>
 #include <kedge/base/communication.h>
 #include <type_traits>
 #include <unordered_map>
@@ -177,34 +178,6 @@ void fill_targets(NodeGraph& graph, const Rows& rows, const std::vector<std::siz
     graph.receive_count.push_back(count);
   }
 }
-
-Teuchos::RCP<const TpetraGraph> make_matrix_graph(const NodeGraph& graph, const std::size_t n_owned_blocks)
-{
-  // Every node row stands for dim rows, every node column for dim columns.
-  const int dim = static_cast<int>(graph.dim), n = static_cast<int>(graph.n_owned);
-  using LocalGraph = TpetraGraph::local_graph_device_type;
-  using Policy = Kokkos::RangePolicy<ExecutionSpace>;
-  const typename LocalGraph::row_map_type::non_const_type begin("row begin", std::size_t(dim) * n + 1);
-  const typename LocalGraph::entries_type::non_const_type column(
-      Kokkos::view_alloc("columns", Kokkos::WithoutInitializing), dim * dim * n_owned_blocks);
-  const auto node_begin = graph.row_begin;
-  const auto node_column = graph.column;
-  Kokkos::parallel_for(
-      "rows of matrix", Policy(0, n), KOKKOS_LAMBDA(const int v) {
-        const std::size_t first = node_begin(v), length = node_begin(v + 1) - first;
-        for (int i = 0; i < dim; ++i)
-        {
-          const std::size_t row = dim * (dim * first + i * length);
-          begin(dim * v + i + 1) = row + dim * length;
-          for (std::size_t k = 0; k < length; ++k)
-            for (int j = 0; j < dim; ++j)
-              column(row + dim * k + j) = static_cast<LocalOrdinal>(dim * node_column(first + k) + j);
-        }
-      });
-  auto matrix_graph = Teuchos::rcp(new TpetraGraph(graph.row_map, graph.column_map, begin, column));
-  matrix_graph->expertStaticFillComplete(graph.row_map, graph.row_map);
-  return matrix_graph;
-}
 } // namespace
 
 Teuchos::RCP<const TpetraMap> make_dof_map(const unsigned int dim, const std::vector<long long>& node,
@@ -248,7 +221,8 @@ NodeGraph build_node_graph(const unsigned int dim, const NodeNumbering& numberin
   graph.row_map = Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                                              std::size_t(dim) * graph.n_owned, 0, Tpetra::getDefaultComm()));
   graph.column_map = make_dof_map(dim, column_global, graph.n_columns);
-  graph.matrix_graph = make_matrix_graph(graph, begin[graph.n_owned]);
+  graph.matrix_graph = make_block_graph(static_cast<int>(dim), static_cast<int>(graph.n_owned), begin[graph.n_owned],
+                                        graph.row_begin, graph.column, graph.row_map, graph.column_map);
   return graph;
 }
 

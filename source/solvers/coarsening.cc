@@ -1,4 +1,5 @@
 #include <Eigen/Core>
+#include <kedge/base/block_graph.h>
 #include <kedge/solvers/coarse_nodes.h>
 #include <kedge/solvers/coarsening.h>
 
@@ -6,7 +7,7 @@ namespace kedge
 {
 namespace
 {
-Teuchos::RCP<TpetraMatrix> make_matrix(const CoarseNodes& at, const ProductLists& lists)
+Teuchos::RCP<TpetraMatrix> make_matrix(const CoarseNodes& at, const ProductPlan& plan)
 {
   const int n = at.aggregates.n, m = static_cast<int>(at.modes);
   std::vector<GlobalOrdinal> column_dofs;
@@ -22,23 +23,7 @@ Teuchos::RCP<TpetraMatrix> make_matrix(const CoarseNodes& at, const ProductLists
   const auto column_map = Teuchos::rcp(new TpetraMap(
       Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
       Teuchos::ArrayView<const GlobalOrdinal>(column_dofs.data(), column_dofs.size()), 0, at.map->getComm()));
-  std::vector<std::size_t> begin{0};
-  std::vector<LocalOrdinal> entries;
-  for (int row = 0; row < n; ++row)
-    for (int a = 0; a < m; ++a)
-    {
-      for (int c = lists.row_begin[row]; c < lists.row_begin[row + 1]; ++c)
-        for (int b = 0; b < m; ++b)
-          entries.push_back(m * lists.column[c] + b);
-      begin.push_back(entries.size());
-    }
-  using LocalGraph = TpetraGraph::local_graph_device_type;
-  const typename LocalGraph::row_map_type::non_const_type row_view("row begin", begin.size());
-  const typename LocalGraph::entries_type::non_const_type entry_view("columns", entries.size());
-  Kokkos::deep_copy(row_view, Kokkos::View<const std::size_t*, Kokkos::HostSpace>(begin.data(), begin.size()));
-  Kokkos::deep_copy(entry_view, Kokkos::View<const LocalOrdinal*, Kokkos::HostSpace>(entries.data(), entries.size()));
-  const auto graph = Teuchos::rcp(new TpetraGraph(at.map, column_map, row_view, entry_view));
-  graph->expertStaticFillComplete(at.map, at.map);
+  const auto graph = make_block_graph(m, n, plan.row.extent(0), plan.row_begin, plan.column, at.map, column_map);
   const auto matrix = Teuchos::rcp(new TpetraMatrix(graph));
   matrix->fillComplete(at.map, at.map);
   return matrix;
@@ -142,11 +127,11 @@ Coarsening::Coarsening(const TpetraMatrix& matrix, const NodeBlocks& blocks_, co
                  upload(at.nodes, "nodes of aggregates")};
 
   const ProductLists lists = list_products(at);
-  coarse_matrix = make_matrix(at, lists);
   plan = {upload(lists.row_begin, "row begin"), upload(lists.row, "row"),
           upload(lists.column, "column"),       upload(lists.part_begin, "part begin"),
           upload(lists.node, "node"),           upload(lists.block_begin, "block begin"),
           upload(lists.block, "block")};
+  coarse_matrix = make_matrix(at, plan);
   renew();
 }
 
