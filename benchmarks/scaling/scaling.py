@@ -1,13 +1,14 @@
 #!/usr/bin/python3
 """Counts what ranks send and keep, and what the linear solver needs, without a cluster: more ranks than cores do.
 
-Soil under a rough rigid plate that refines the cells below it: weak scaling adds the same piece of soil and plate for
-each rank, strong scaling cuts one block into more parts. Messages and bytes are those of a step: a run of eight steps
-less one of four, through the profiling interface of MPI (count_messages.c)."""
+Soil under rough square footings, all parts of one rigid body, that refine the cells around them: weak scaling adds the
+same piece of soil and footing for each rank, strong scaling cuts one block into more parts. Messages and bytes are
+those of a step: a run of eight steps less one of four, through the profiling interface of MPI (count_messages.c)."""
 import argparse
 import csv
 import json
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -21,6 +22,7 @@ RANKS = (1, 2, 4, 8, 16)
 PIECES = {1: (1, 1), 2: (2, 1), 4: (2, 2), 8: (4, 2), 16: (4, 4)}  # along x and y
 STEPS = (4, 8)
 EDGE = 0.8  # of a piece, m
+WIDTH, THICKNESS = 0.4, 0.2  # of a footing, m
 COLUMNS = ("series", "ranks", "points", "unknowns", "messages", "bytes", "partners", "collectives", "collective bytes",
            "memory", "newton", "krylov", "commit")
 
@@ -32,11 +34,27 @@ def build_counter(folder):
     return library
 
 
+def write_footings(program, folder, pieces):
+    """One surface of a footing in the middle of each piece, its base on the soil."""
+    facets = []
+    for i in range(pieces[0]):
+        for j in range(pieces[1]):
+            part = folder / "part.stl"
+            centre = [EDGE * (i + 0.5), EDGE * (j + 0.5), EDGE + 0.5 * THICKNESS]
+            subprocess.run([str(program), "geometry", "box", "--size", str(WIDTH), str(WIDTH), str(THICKNESS),
+                            "--edge-radius", "0.02", "--translate", *map(str, centre), "--output", str(part)],
+                           check=True, stdout=subprocess.DEVNULL)
+            content = part.read_bytes()  # a header of 80 bytes, the number of facets, 50 bytes each
+            facets.append(content[84:])
+            part.unlink()
+    data = b"".join(facets)
+    (folder / "footings.stl").write_bytes(bytes(80) + struct.pack("<I", len(data) // 50) + data)
+
+
 def write_scene(program, folder, pieces, cell, law):
-    """A block of pieces; its plate is as wide as the block and refines the cells below it once."""
+    """A block of pieces; the footings refine the cells around them once."""
     width = [EDGE * n for n in pieces]
-    subprocess.run([str(program), "geometry", "box", "--size", *map(str, width), "0.2", "--output",
-                    str(folder / "plate.stl")], check=True, stdout=subprocess.DEVNULL)
+    write_footings(program, folder, pieces)
     elastic = law == "elastic"
     material = {"type": "elastic", "E": 1e6, "nu": 0.3, "density": 1600} if elastic else {
         "type": "mohr coulomb", "E": 1e6, "nu": 0.3, "density": 1600, "friction angle": 30, "dilation angle": 0,
@@ -53,8 +71,8 @@ def write_scene(program, folder, pieces, cell, law):
         "rigid bodies": [{
             "points": [{
                 "position": [0.5 * width[0], 0.5 * width[1], EDGE + 0.1], "mass": 1, "rotational inertia": [1, 1, 1],
-                "boundary conditions": ["fixed", "fixed", {"prescribed": -0.01}, "fixed", "fixed", "fixed"]}],
-            "stl files": [{"stl": "plate.stl", "point": 1}]}],
+                "boundary conditions": ["fixed", "fixed", {"prescribed": -0.004}, "fixed", "fixed", "fixed"]}],
+            "stl files": [{"stl": "footings.stl", "point": 1}]}],
         "contact": {"friction coefficient": 0.3},
         "analysis": [{
             "type": "static", "load steps": STEPS[0], "load": "full", "rigid bodies": "on",

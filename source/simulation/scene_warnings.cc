@@ -16,6 +16,7 @@ constexpr unsigned int most_points = 4;
 /// Strength of the ghost stabilisation from which on it costs accuracy, and below which steps fail; no unit.
 constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
 constexpr double most_poor = 0.5;
+constexpr int samples = 16; // per axis of the part of a body's box that lies in the soil
 constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 5.; // of contact springs
 
 std::string find_sharp_edge(const std::size_t number, const double radius, const double particle)
@@ -131,6 +132,57 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
                     factor, factor < softest ? "sink into the soil" : "find no balance"));
 }
 
+/// Whether the block of soil reaches deeper than `allowed` (m) into a body.
+template <int dim>
+bool holds_soil(const RigidSystems& bodies, const WeldedSurface& welded, const GridLayout<dim>& grid,
+                const double allowed)
+{
+  const auto box = world_bounds(bodies, welded);
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), step = Eigen::Vector3d::Zero();
+  int n[3] = {1, 1, 1};
+  for (int d = 0; d < dim; ++d)
+  {
+    const unsigned int axis = world_axis(dim, d);
+    const double top = grid.soil_extent[d] > 0. ? grid.soil_extent[d] : grid.extent(d);
+    const double from = std::max(0., box[0][axis]), to = std::min(top, box[1][axis]);
+    if (to <= from)
+      return false;
+    n[axis] = samples;
+    step[axis] = (to - from) / samples;
+    lower[axis] = from + 0.5 * step[axis];
+  }
+  const Pose& pose = bodies.points[welded.point].pose;
+  for (int i = 0; i < n[0] * n[1] * n[2]; ++i)
+  {
+    const Eigen::Vector3d at(i % n[0], i / n[0] % n[1], i / n[0] / n[1]);
+    const auto closest = welded.surface.closest_point_within(pose.to_body(lower + step.cwiseProduct(at)), 0.);
+    if (closest && closest->gap < -allowed)
+      return true;
+  }
+  return false;
+}
+
+/// About bodies that begin in soil which nobody takes out. Where they are placed on the soil, they are not in it.
+template <int dim>
+void add_warning_about_buried_bodies(const Input& input, const RigidSystems& bodies, const GridLayout<dim>& grid,
+                                     std::vector<std::string>& warnings)
+{
+  const auto stage =
+      std::find_if(input.stages.begin(), input.stages.end(), [](const Stage& s) { return s.rigid_bodies; });
+  if (stage == input.stages.end() || stage->wished_in_place || stage->surface_placement)
+    return;
+  const double particle = grid.finest_size / input.material_points.points_per_axis;
+  std::string numbers;
+  for (std::size_t i = 0; i < bodies.surfaces.size(); ++i)
+    if (holds_soil<dim>(bodies, bodies.surfaces[i], grid, particle))
+      numbers += fmt::format("{}{}", numbers.empty() ? "" : ", ", i + 1);
+  if (!numbers.empty())
+    warnings.push_back(fmt::format(
+        "surface {} begins in the soil, which contact then presses out of it: move it (its coordinates are global, and "
+        "\"offset\" shifts it), or bury it with \"wished in place\": \"on\" in stage {}",
+        numbers, stage - input.stages.begin() + 1));
+}
+
 /// Where a body goes too far in a step for the cells at it.
 template <int dim>
 void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, std::vector<std::string>& warnings)
@@ -167,6 +219,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
   add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);
+  add_warning_about_buried_bodies<dim>(input, bodies, grid, warnings);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
       if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))

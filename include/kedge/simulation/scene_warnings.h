@@ -8,7 +8,7 @@
 
 namespace kedge
 {
-/// Warnings for a scene as it begins: edges that soil may slip past, bodies and fine boxes where there is no grid, and
-/// base cells that are smaller than asked for.
+/// Warnings for a scene as it begins: edges that soil may slip past, bodies and fine boxes where there is no grid,
+/// bodies within soil that nobody takes out, and base cells that are smaller than asked for.
 std::vector<std::string> find_warnings(const Input& input, const RigidSystems& bodies);
 } // namespace kedge

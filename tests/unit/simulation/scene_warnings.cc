@@ -63,6 +63,15 @@ TEST(Warnings, BodiesBesideTheGrid)
   EXPECT_EQ(warnings("plate-anchor-ts.json", {"rigid bodies.0.offset=[0, 0, 5]"}), std::vector<std::string>());
 }
 
+TEST(Warnings, BodiesThatBeginInTheSoil)
+{
+  const std::string wished = "analysis.0.wished in place=";
+  expect_warning(warnings("plate-anchor-ts.json", {wished + "off"}), "surface 1 begins in the soil");
+  EXPECT_EQ(warnings("plate-anchor-ts.json", {wished + "off", "rigid bodies.0.offset=[0, 0, 5]"}),
+            std::vector<std::string>());
+  expect_warning(warnings("strip-footing.json", {"rigid bodies.0.offset=[0, -0.1]"}), "surface 1 begins in the soil");
+}
+
 TEST(Warnings, FineBoxesOutsideTheGrid)
 {
   const auto with_box = [](const std::string& box)
