@@ -145,11 +145,16 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
   const Particles<dim> particles = make_particles(table, octree, offset);
   const ParticleArrays arrays = make_arrays(particles.centre.size(), particles.volume);
 
-  HostStencils host = build_stencils<dim>(table, particles.centre, particles.half_width, particles.leaf, !gimp);
+  const BoxParts<dim> parts = find_box_parts<dim>(table, particles.centre, particles.half_width, particles.leaf);
+  HostStencils host = build_stencils<dim>(
+      table,
+      gimp ? parts
+           : find_box_parts<dim>(table, particles.centre, point_boxes<dim>(particles.half_width), particles.leaf),
+      particles.leaf);
   const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
                             volume = download(arrays.initial_volume);
-  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-      table, {particles.centre, particles.half_width, young, mass, volume}, poor_factor, MPI_COMM_SELF);
+  const std::vector<LeafContent> contents =
+      find_leaf_contents<dim>(table, {parts, particles.half_width, young, mass, volume}, poor_factor, MPI_COMM_SELF);
   HostGhostFaces host_faces = find_ghost_faces<dim>(table, contents, {1., 1.});
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const auto& list : {host.pattern_nodes, host_faces.nodes})

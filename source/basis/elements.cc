@@ -51,11 +51,14 @@ void append_gradients(const LeafTable<dim>& table, const unsigned int leaf, cons
 } // namespace
 
 template <int dim>
-Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts, const std::vector<double>& volume,
+Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts,
+                       const std::vector<CellCorrection<dim>>& corrections, const std::vector<double>& volume,
                        const std::vector<unsigned int>& number, const std::vector<int>& group_of_leaf)
 {
   // Count and sum up by leaf.
   const std::size_t n_particles = volume.size();
+  const auto correction_of = [&](const std::size_t part)
+  { return corrections.empty() ? CellCorrection<dim>() : corrections[parts.leaf[part]]; };
   std::vector<Moments<dim>> moments(table.leaves.size());
   std::vector<unsigned int> count(table.leaves.size(), 0);
   std::vector<double> whole(n_particles, 0.);
@@ -63,14 +66,16 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts, 
     for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
     {
       Moments<dim>& soil = moments[parts.leaf[i]];
-      const double v = parts.weight[i] * volume[p];
-      whole[p] += parts.weight[i];
+      const CellCorrection<dim> correction = correction_of(i);
+      const std::array<double, dim> place = correction.corrected(parts.middle[i]);
+      const double v = parts.fraction[i] * correction.scale * volume[p];
+      whole[p] += parts.fraction[i] * correction.scale;
       ++count[parts.leaf[i]];
       soil.volume += v;
       for (unsigned int d = 0; d < dim; ++d)
       {
-        soil.first[d] += v * parts.place[i][d];
-        soil.second[d] += v * parts.place[i][d] * parts.place[i][d];
+        soil.first[d] += v * place[d];
+        soil.second[d] += v * place[d] * place[d];
       }
     }
 
@@ -94,7 +99,7 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts, 
     {
       const unsigned int at = next[element[parts.leaf[i]]]++;
       particle[at] = p;
-      share[at] = parts.weight[i] / whole[p];
+      share[at] = parts.fraction[i] * correction_of(i).scale / whole[p];
     }
   gradients.push_back(0.); // kernels read whole SIMD registers
   return {dim,
@@ -107,8 +112,10 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts, 
           upload(cell, "element cell")};
 }
 
-template Elements make_elements<2>(const LeafTable<2>&, const BoxParts<2>&, const std::vector<double>&,
-                                   const std::vector<unsigned int>&, const std::vector<int>&);
-template Elements make_elements<3>(const LeafTable<3>&, const BoxParts<3>&, const std::vector<double>&,
-                                   const std::vector<unsigned int>&, const std::vector<int>&);
+template Elements make_elements<2>(const LeafTable<2>&, const BoxParts<2>&, const std::vector<CellCorrection<2>>&,
+                                   const std::vector<double>&, const std::vector<unsigned int>&,
+                                   const std::vector<int>&);
+template Elements make_elements<3>(const LeafTable<3>&, const BoxParts<3>&, const std::vector<CellCorrection<3>>&,
+                                   const std::vector<double>&, const std::vector<unsigned int>&,
+                                   const std::vector<int>&);
 } // namespace kedge

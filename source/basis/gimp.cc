@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <kedge/base/exceptions.h>
 #include <kedge/basis/gimp.h>
 #include <numeric>
 
@@ -8,13 +7,6 @@ namespace kedge
 {
 namespace
 {
-// Because of round-off, a box that ends on a face may reach slightly across it. Such a sliver would activate nodes
-// without stiffness.
-constexpr double smallest_overlap = 1e-11;
-// Averaging needs a volume, also in the standard MPM: a box this small, relative to the particle's, stands for its
-// centre.
-constexpr double point_box = 1e-6;
-
 /// Where a leaf's shape functions are taken, and with which weight.
 template <int dim> struct Sample
 {
@@ -22,16 +14,19 @@ template <int dim> struct Sample
   double weight;
 };
 
+/// Shares of a leaf's vertices, hanging ones included.
+template <int dim> struct VertexShares
+{
+  double value[LeafTable<dim>::n_vertices], gradient[LeafTable<dim>::n_vertices][dim];
+};
+
 /// Values from one sample and gradients from another. `twist` (1/m) is added to the gradients along each axis with the
 /// sign of the product of the vertex's natural coordinates.
 template <int dim>
-void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number, const Sample<dim>& of_value,
-                    const Sample<dim>& of_gradient, const std::array<double, dim>& twist,
-                    std::vector<NodeShare<dim>>& shares)
+VertexShares<dim> shares_of_vertices(const typename LeafTable<dim>::Leaf& leaf, const Sample<dim>& of_value,
+                                     const Sample<dim>& of_gradient, const std::array<double, dim>& twist)
 {
   // Linear functions along each axis, then their products at the vertices.
-  constexpr unsigned int n_vertices = LeafTable<dim>::n_vertices;
-  const auto& leaf = table.leaves[leaf_number];
   const double inverse_size = 1. / leaf.size;
   double for_value[dim][2], for_gradient[dim][2];
   for (unsigned int d = 0; d < dim; ++d)
@@ -41,15 +36,14 @@ void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number,
     for_gradient[d][1] = (of_gradient.x[d] - leaf.lower[d]) * inverse_size;
     for_gradient[d][0] = 1. - for_gradient[d][1];
   }
-
-  double vertex_value[n_vertices], vertex_gradient[n_vertices][dim];
-  for (unsigned int v = 0; v < n_vertices; ++v)
+  VertexShares<dim> shares;
+  for (unsigned int v = 0; v < LeafTable<dim>::n_vertices; ++v)
   {
-    vertex_value[v] = of_value.weight;
+    shares.value[v] = of_value.weight;
     double sign = 1.;
     for (unsigned int d = 0; d < dim; ++d)
     {
-      vertex_value[v] *= for_value[d][(v >> d) & 1u];
+      shares.value[v] *= for_value[d][(v >> d) & 1u];
       sign *= (v >> d) & 1u ? 1. : -1.;
     }
     for (unsigned int g = 0; g < dim; ++g)
@@ -58,188 +52,144 @@ void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf_number,
       for (unsigned int d = 0; d < dim; ++d)
         if (d != g)
           value *= for_gradient[d][(v >> d) & 1u];
-      vertex_gradient[v][g] = of_gradient.weight * (value + sign * twist[g]);
+      shares.gradient[v][g] = of_gradient.weight * (value + sign * twist[g]);
     }
   }
-
-  // Hand the vertices' shares to the true nodes; a node may have a share from another leaf already.
-  const auto add = [&shares](const unsigned int node, const double factor, const double value, const double* gradient)
-  {
-    auto share = std::find_if(shares.begin(), shares.end(), [node](const auto& s) { return s.node == node; });
-    if (share == shares.end())
-      share = shares.insert(shares.end(), NodeShare<dim>{node, 0., {}});
-    share->value += factor * value;
-    for (unsigned int d = 0; d < dim; ++d)
-      share->gradient[d] += factor * gradient[d];
-  };
-  for (unsigned int n = 0; n < leaf.n_nodes; ++n)
-  {
-    const unsigned int node = table.nodes[leaf.node_begin + n];
-    if (leaf.regular)
-      add(node, 1., vertex_value[n], vertex_gradient[n]);
-    else
-      for (unsigned int v = 0; v < n_vertices; ++v)
-        if (const double factor = table.weights[leaf.weight_begin + v * leaf.n_nodes + n]; factor != 0.)
-          add(node, factor, vertex_value[v], vertex_gradient[v]);
-  }
-}
-} // namespace
-
-template <int dim>
-void add_leaf_shape(const LeafTable<dim>& table, const unsigned int leaf, const std::array<double, dim>& x,
-                    const double weight, std::vector<NodeShare<dim>>& shares)
-{
-  add_leaf_shape<dim>(table, leaf, {x, weight}, {x, weight}, {}, shares);
-}
-
-template <int dim> BoxAverage<dim>::BoxAverage(const LeafTable<dim>& table_) : table(table_) {}
-
-template <int dim>
-const std::vector<Overlap>& BoxAverage<dim>::find_overlaps(const std::array<double, dim>& centre,
-                                                           const std::array<double, dim>& half_width)
-{
-  for (unsigned int d = 0; d < dim; ++d)
-  {
-    lower[d] = std::max(table.lower_end(d), centre[d] - half_width[d]);
-    upper[d] = std::min(table.upper_end(d), centre[d] + half_width[d]);
-  }
-  candidates.clear();
-  overlaps.clear();
-  table.find_leaves(lower, upper, candidates);
-  // Volume shared with each leaf, without slivers.
-  double box = 1., total = 0.;
-  for (unsigned int d = 0; d < dim; ++d)
-    box *= upper[d] - lower[d];
-  for (const unsigned int candidate : candidates)
-  {
-    const auto& leaf = table.leaves[candidate];
-    double volume = 1.;
-    for (unsigned int d = 0; d < dim; ++d)
-      volume *= std::min(upper[d], leaf.lower[d] + leaf.size) - std::max(lower[d], leaf.lower[d]);
-    if (volume > smallest_overlap * box)
-    {
-      overlaps.push_back({candidate, volume});
-      total += volume;
-    }
-  }
-  for (Overlap& overlap : overlaps)
-    overlap.fraction /= total;
-  return overlaps;
-}
-
-template <int dim> std::array<double, dim> BoxAverage<dim>::middle_of(const Overlap& overlap) const
-{
-  const auto& leaf = table.leaves[overlap.leaf];
-  std::array<double, dim> middle;
-  for (unsigned int d = 0; d < dim; ++d)
-    middle[d] = 0.5 * (std::min(upper[d], leaf.lower[d] + leaf.size) + std::max(lower[d], leaf.lower[d]));
-  return middle;
-}
-
-template <int dim>
-const std::vector<NodeShare<dim>>& BoxAverage<dim>::average(const std::vector<CellCorrection<dim>>& corrections)
-{
-  shares.clear();
-  factor = 1.;
-  if (corrections.empty())
-  {
-    for (const Overlap& overlap : overlaps)
-      add_leaf_shape<dim>(table, overlap.leaf, middle_of(overlap), overlap.fraction, shares);
-    return shares;
-  }
-  factor = 0.;
-  for (const Overlap& overlap : overlaps)
-  {
-    const CellCorrection<dim>& correction = corrections[overlap.leaf];
-    const std::array<double, dim> middle = middle_of(overlap);
-    const double weight = overlap.fraction * correction.scale;
-    add_leaf_shape<dim>(table, overlap.leaf, {middle, overlap.fraction}, {correction.corrected(middle), weight},
-                        correction.twist, shares);
-    factor += weight;
-  }
-  for (NodeShare<dim>& share : shares)
-    for (double& component : share.gradient)
-      component /= factor;
   return shares;
 }
 
-template <int dim>
-void BoxAverage<dim>::append_to(BoxParts<dim>& parts, const std::vector<CellCorrection<dim>>& corrections) const
+/// Hands the vertices' shares to the leaf's true nodes: add(n, factor, value, gradient) for its n-th one.
+template <int dim, typename Add>
+void hand_to_nodes(const LeafTable<dim>& table, const typename LeafTable<dim>::Leaf& leaf,
+                   const VertexShares<dim>& shares, const Add& add)
 {
-  for (const Overlap& overlap : overlaps)
-  {
-    const CellCorrection<dim> correction = corrections.empty() ? CellCorrection<dim>() : corrections[overlap.leaf];
-    parts.leaf.push_back(overlap.leaf);
-    parts.weight.push_back(overlap.fraction * correction.scale);
-    parts.place.push_back(correction.corrected(middle_of(overlap)));
-  }
-  parts.begin.push_back(parts.leaf.size());
+  for (unsigned int n = 0; n < leaf.n_nodes; ++n)
+    if (leaf.regular)
+      add(n, 1., shares.value[n], shares.gradient[n]);
+    else
+      for (unsigned int v = 0; v < LeafTable<dim>::n_vertices; ++v)
+        if (const double factor = table.weights[leaf.weight_begin + v * leaf.n_nodes + n]; factor != 0.)
+          add(n, factor, shares.value[v], shares.gradient[v]);
 }
 
-template <int dim>
-HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
-                            const std::vector<std::array<double, dim>>& half_width,
-                            const std::vector<unsigned int>& leaf_of_particle, const bool point_basis,
-                            const std::vector<CellCorrection<dim>>& corrections, BoxParts<dim>* parts)
+/// Finds the patterns of particles: boxes with parts in the same leaves have the same nodes.
+template <int dim> class PatternSearch
 {
-  if (parts != nullptr)
-    parts->begin.assign(1, 0);
-  const std::size_t n = centre.size();
-  HostStencils stencils;
-  stencils.pattern_of_particle.resize(n);
-  stencils.value_begin.resize(n + 1, 0);
-  stencils.pattern_node_begin.push_back(0);
-
-  BoxAverage<dim> box(table);
-  std::vector<std::vector<unsigned int>> pattern_leaves; // of the patterns of the current leaf
-  std::size_t first_pattern = 0;                         // of the current leaf
-  for (std::size_t p = 0; p < n; ++p)
+public:
+  PatternSearch(const LeafTable<dim>& table_, const BoxParts<dim>& parts_, HostStencils& stencils_)
+      : table(table_), parts(parts_), stencils(stencils_), mark(table_.node_ids.size(), -1)
   {
-    // Only particles of one leaf share patterns, so each leaf starts a new list.
-    if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
-    {
-      first_pattern = stencils.pattern_node_begin.size() - 1;
-      pattern_leaves.clear();
-    }
-    // The leaves that the box overlaps, and the shares of their nodes.
-    std::array<double, dim> size = half_width[p];
-    if (point_basis)
-      for (double& width : size)
-        width *= point_box;
-    const std::vector<Overlap>& overlaps = box.find_overlaps(centre[p], size);
-    if (overlaps.empty())
-      throw SolverError("a material point has left the grid at x = " + std::to_string(centre[p][0]) +
-                        " m; a larger domain or smaller steps help");
-    const std::vector<NodeShare<dim>>& shares = box.average(corrections);
-    stencils.volume_factor.push_back(box.volume_factor());
-    if (parts != nullptr)
-      box.append_to(*parts, corrections);
-
-    // Boxes that overlap the same leaves have the same nodes: find their pattern, or add it.
-    std::size_t k = 0;
-    for (; k < pattern_leaves.size(); ++k)
-      if (std::equal(pattern_leaves[k].begin(), pattern_leaves[k].end(), overlaps.begin(), overlaps.end(),
-                     [](const unsigned int leaf, const Overlap& overlap) { return leaf == overlap.leaf; }))
-        break;
-    if (k == pattern_leaves.size())
-    {
-      pattern_leaves.emplace_back();
-      for (const Overlap& overlap : overlaps)
-        pattern_leaves.back().push_back(overlap.leaf);
-      for (const NodeShare<dim>& share : shares)
-        stencils.pattern_nodes.push_back(share.node);
-      stencils.pattern_node_begin.push_back(stencils.pattern_nodes.size());
-    }
-    stencils.pattern_of_particle[p] = first_pattern + k;
-    for (const NodeShare<dim>& share : shares)
-    {
-      stencils.value.push_back(share.value);
-      stencils.gradient.insert(stencils.gradient.end(), share.gradient.begin(), share.gradient.end());
-    }
-    stencils.value_begin[p + 1] = stencils.value.size();
+    stencils.pattern_node_begin.assign(1, 0);
   }
 
-  // List the particles of each pattern by a counting sort.
+  /// Only particles of one leaf share patterns, so each leaf starts a new list.
+  void begin_leaf() { first = n_patterns(); }
+
+  /// Number of the pattern of particle p, which is added if it is new.
+  unsigned int pattern_of(const std::size_t p)
+  {
+    const auto leaves = parts.leaf.begin() + parts.begin[p], end = parts.leaf.begin() + parts.begin[p + 1];
+    for (unsigned int k = first; k < n_patterns(); ++k)
+      if (const auto known = parts.leaf.begin() + parts.begin[model[k]],
+          known_end = parts.leaf.begin() + parts.begin[model[k] + 1];
+          std::equal(known, known_end, leaves, end))
+        return k;
+    add(p);
+    return n_patterns() - 1;
+  }
+
+  /// By pattern, for the leaves of its parts one after the other: where in the pattern's nodes each of the leaf's is.
+  std::vector<unsigned short> slots;
+  std::vector<std::size_t> slot_begin;
+
+private:
+  unsigned int n_patterns() const { return static_cast<unsigned int>(model.size()); }
+
+  void add(const std::size_t p)
+  {
+    std::vector<unsigned int>& nodes = stencils.pattern_nodes;
+    const std::size_t begin = nodes.size();
+    const int number = static_cast<int>(model.size());
+    const auto for_all_nodes = [&](const auto& visit)
+    {
+      for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
+      {
+        const auto& leaf = table.leaves[parts.leaf[i]];
+        for (unsigned int n = 0; n < leaf.n_nodes; ++n)
+          visit(table.nodes[leaf.node_begin + n]);
+      }
+    };
+    for_all_nodes(
+        [&](const unsigned int node)
+        {
+          if (mark[node] != number)
+            nodes.push_back(node);
+          mark[node] = number;
+        });
+    std::sort(nodes.begin() + begin, nodes.end());
+    place.resize(mark.size());
+    for (std::size_t i = begin; i < nodes.size(); ++i)
+      place[nodes[i]] = static_cast<unsigned short>(i - begin);
+    slot_begin.push_back(slots.size());
+    for_all_nodes([&](const unsigned int node) { slots.push_back(place[node]); });
+    stencils.pattern_node_begin.push_back(nodes.size());
+    model.push_back(p);
+  }
+
+  const LeafTable<dim>& table;
+  const BoxParts<dim>& parts;
+  HostStencils& stencils;
+  std::size_t first = 0;             ///< pattern of the current leaf
+  std::vector<std::size_t> model;    ///< by pattern, a particle that has it
+  std::vector<int> mark;             ///< by node, the last pattern that has it
+  std::vector<unsigned short> place; ///< by node, its place in that pattern
+};
+
+/// Adds up the shape functions over the parts of a particle's box.
+template <int dim> struct AverageKernel
+{
+  const LeafTable<dim>& table;
+  const BoxParts<dim>& parts;
+  const std::vector<CellCorrection<dim>>& corrections;
+  const PatternSearch<dim>& patterns;
+  const HostStencils& stencils;
+
+  void operator()(const std::size_t p) const
+  {
+    const std::size_t begin = stencils.value_begin[p], n = stencils.value_begin[p + 1] - begin;
+    double* value = &stencils.value(begin);
+    double* gradient = &stencils.gradient(dim * begin);
+    std::fill_n(value, n, 0.);
+    std::fill_n(gradient, dim * n, 0.);
+    const unsigned short* slot = patterns.slots.data() + patterns.slot_begin[stencils.pattern_of_particle[p]];
+    double volume = 0.;
+    for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
+    {
+      const auto& leaf = table.leaves[parts.leaf[i]];
+      const CellCorrection<dim> correction = corrections.empty() ? CellCorrection<dim>() : corrections[parts.leaf[i]];
+      const double weight = parts.fraction[i] * correction.scale;
+      volume += weight;
+      hand_to_nodes<dim>(table, leaf,
+                         shares_of_vertices<dim>(leaf, {parts.middle[i], parts.fraction[i]},
+                                                 {correction.corrected(parts.middle[i]), weight}, correction.twist),
+                         [&](const unsigned int node, const double factor, const double s, const double* ds)
+                         {
+                           value[slot[node]] += factor * s;
+                           for (unsigned int d = 0; d < dim; ++d)
+                             gradient[dim * slot[node] + d] += factor * ds[d];
+                         });
+      slot += leaf.n_nodes;
+    }
+    stencils.volume_factor(p) = corrections.empty() ? 1. : volume;
+    if (!corrections.empty())
+      for (std::size_t i = 0; i < dim * n; ++i)
+        gradient[i] /= volume;
+  }
+};
+
+/// Lists the particles of each pattern by a counting sort.
+void list_particles(HostStencils& stencils)
+{
   const std::size_t n_patterns = stencils.pattern_node_begin.size() - 1;
   stencils.pattern_particle_begin.assign(n_patterns + 1, 0);
   for (const unsigned int k : stencils.pattern_of_particle)
@@ -247,9 +197,58 @@ HostStencils build_stencils(const LeafTable<dim>& table, const std::vector<std::
   std::partial_sum(stencils.pattern_particle_begin.begin(), stencils.pattern_particle_begin.end(),
                    stencils.pattern_particle_begin.begin());
   std::vector<unsigned int> next(stencils.pattern_particle_begin.begin(), stencils.pattern_particle_begin.end());
-  stencils.pattern_particles.resize(n);
-  for (std::size_t p = 0; p < n; ++p)
+  stencils.pattern_particles.resize(stencils.pattern_of_particle.size());
+  for (std::size_t p = 0; p < stencils.pattern_of_particle.size(); ++p)
     stencils.pattern_particles[next[stencils.pattern_of_particle[p]]++] = p;
+}
+} // namespace
+
+template <int dim>
+void add_leaf_shape(const LeafTable<dim>& table, const unsigned int number, const std::array<double, dim>& x,
+                    const double weight, std::vector<NodeShare<dim>>& shares)
+{
+  const auto& leaf = table.leaves[number];
+  // A node may have a share from another leaf already.
+  const auto add = [&](const unsigned int n, const double factor, const double value, const double* gradient)
+  {
+    const unsigned int node = table.nodes[leaf.node_begin + n];
+    auto share = std::find_if(shares.begin(), shares.end(), [node](const auto& s) { return s.node == node; });
+    if (share == shares.end())
+      share = shares.insert(shares.end(), NodeShare<dim>{node, 0., {}});
+    share->value += factor * value;
+    for (unsigned int d = 0; d < dim; ++d)
+      share->gradient[d] += factor * gradient[d];
+  };
+  hand_to_nodes<dim>(table, leaf, shares_of_vertices<dim>(leaf, {x, weight}, {x, weight}, {}), add);
+}
+
+template <int dim>
+HostStencils build_stencils(const LeafTable<dim>& table, const BoxParts<dim>& parts,
+                            const std::vector<unsigned int>& leaf_of_particle,
+                            const std::vector<CellCorrection<dim>>& corrections)
+{
+  const std::size_t n = leaf_of_particle.size();
+  HostStencils stencils;
+  stencils.pattern_of_particle.resize(n);
+  stencils.value_begin.resize(n + 1, 0);
+  PatternSearch<dim> patterns(table, parts, stencils);
+  for (std::size_t p = 0; p < n; ++p)
+  {
+    if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
+      patterns.begin_leaf();
+    const unsigned int k = stencils.pattern_of_particle[p] = patterns.pattern_of(p);
+    stencils.value_begin[p + 1] =
+        stencils.value_begin[p] + stencils.pattern_node_begin[k + 1] - stencils.pattern_node_begin[k];
+  }
+  const auto uninitialised = [](const char* label)
+  { return Kokkos::view_alloc(std::string(label), Kokkos::WithoutInitializing); };
+  stencils.value = HostArray<double>(uninitialised("S"), stencils.value_begin[n]);
+  stencils.gradient = HostArray<double>(uninitialised("grad S"), dim * stencils.value_begin[n] + 1);
+  stencils.gradient(dim * stencils.value_begin[n]) = 0.; // kernels read whole SIMD registers
+  stencils.volume_factor = HostArray<double>(uninitialised("volume factor"), n);
+  Kokkos::parallel_for("average shape functions", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, n),
+                       AverageKernel<dim>{table, parts, corrections, patterns, stencils});
+  list_particles(stencils);
   return stencils;
 }
 
@@ -262,7 +261,8 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   for (unsigned int& node : host.pattern_nodes)
     node = number[node];
 
-  // Kernels expect ascending nodes: sort those of each pattern, and the values of its particles in the same order.
+  // Kernels expect ascending nodes. Where numbers do not follow the table, sort those of each pattern, and the values
+  // of its particles in the same order.
   std::vector<unsigned int> order, sorted_nodes;
   std::vector<double> old_value, old_gradient;
   for (std::size_t k = 0; k < set.n_patterns; ++k)
@@ -270,6 +270,8 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
     const unsigned int begin = host.pattern_node_begin[k], n = host.pattern_node_begin[k + 1] - begin;
     set.max_nodes = std::max(set.max_nodes, n);
     unsigned int* nodes = host.pattern_nodes.data() + begin;
+    if (std::is_sorted(nodes, nodes + n))
+      continue;
     order.resize(n);
     std::iota(order.begin(), order.end(), 0u);
     std::sort(order.begin(), order.end(),
@@ -280,8 +282,8 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
     std::copy(sorted_nodes.begin(), sorted_nodes.end(), nodes);
     for (unsigned int i = host.pattern_particle_begin[k]; i < host.pattern_particle_begin[k + 1]; ++i)
     {
-      double* value = host.value.data() + host.value_begin[host.pattern_particles[i]];
-      double* gradient = host.gradient.data() + dim * host.value_begin[host.pattern_particles[i]];
+      double* value = &host.value(host.value_begin[host.pattern_particles[i]]);
+      double* gradient = &host.gradient(dim * host.value_begin[host.pattern_particles[i]]);
       old_value.assign(value, value + n);
       old_gradient.assign(gradient, gradient + dim * n);
       for (unsigned int v = 0; v < n; ++v)
@@ -298,25 +300,19 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   set.pattern_particles = upload(host.pattern_particles, "pattern particles");
   set.pattern_of_particle = upload(host.pattern_of_particle, "pattern of particle");
   set.value_begin = upload(host.value_begin, "value begin");
-  set.value = upload(host.value, "S");
-  host.gradient.push_back(0.); // kernels read whole SIMD registers
-  set.gradient = upload(host.gradient, "grad S");
-  set.volume_factor = upload(host.volume_factor, "volume factor");
+  set.value = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.value);
+  set.gradient = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.gradient);
+  set.volume_factor = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.volume_factor);
   return set;
 }
 
-template void add_leaf_shape<2>(const LeafTable<2>&, unsigned int, const std::array<double, 2>&, double,
-                                std::vector<NodeShare<2>>&);
-template void add_leaf_shape<3>(const LeafTable<3>&, unsigned int, const std::array<double, 3>&, double,
-                                std::vector<NodeShare<3>>&);
-template class BoxAverage<2>;
-template class BoxAverage<3>;
-template HostStencils build_stencils<2>(const LeafTable<2>&, const std::vector<std::array<double, 2>>&,
-                                        const std::vector<std::array<double, 2>>&, const std::vector<unsigned int>&,
-                                        bool, const std::vector<CellCorrection<2>>&, BoxParts<2>*);
-template HostStencils build_stencils<3>(const LeafTable<3>&, const std::vector<std::array<double, 3>>&,
-                                        const std::vector<std::array<double, 3>>&, const std::vector<unsigned int>&,
-                                        bool, const std::vector<CellCorrection<3>>&, BoxParts<3>*);
-template StencilSet upload_stencils<2>(HostStencils&&, const std::vector<unsigned int>&);
-template StencilSet upload_stencils<3>(HostStencils&&, const std::vector<unsigned int>&);
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template void add_leaf_shape<dim>(const LeafTable<dim>&, unsigned int, const std::array<double, dim>&, double,       \
+                                    std::vector<NodeShare<dim>>&);                                                     \
+  template HostStencils build_stencils<dim>(const LeafTable<dim>&, const BoxParts<dim>&,                               \
+                                            const std::vector<unsigned int>&,                                          \
+                                            const std::vector<CellCorrection<dim>>&);                                  \
+  template StencilSet upload_stencils<dim>(HostStencils&&, const std::vector<unsigned int>&);
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
 } // namespace kedge

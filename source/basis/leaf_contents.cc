@@ -159,28 +159,28 @@ std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const S
                                             const double poor_factor, const MPI_Comm communicator)
 {
   std::vector<LeafContent> contents(table.leaves.size());
-  BoxAverage<dim> box(table);
-  for (std::size_t p = 0; p < soil.centre.size(); ++p)
+  for (std::size_t p = 0; p < soil.half_width.size(); ++p)
   {
     double volume = 1.;
     for (const double half : soil.half_width[p])
       volume *= 2. * half;
-    for (const Overlap& overlap : box.find_overlaps(soil.centre[p], soil.half_width[p]))
+    for (std::size_t i = soil.parts.begin[p]; i < soil.parts.begin[p + 1]; ++i)
     {
-      LeafContent& content = contents[overlap.leaf];
-      content.volume += overlap.fraction * volume;
-      content.initial_volume += overlap.fraction * soil.initial_volume[p];
-      content.stiffness += overlap.fraction * volume * soil.young[p];
-      content.mass += overlap.fraction * soil.mass[p];
-      const auto& leaf = table.leaves[overlap.leaf];
-      const std::array<double, dim> middle = box.middle_of(overlap);
+      const double fraction = soil.parts.fraction[i];
+      LeafContent& content = contents[soil.parts.leaf[i]];
+      content.volume += fraction * volume;
+      content.initial_volume += fraction * soil.initial_volume[p];
+      content.stiffness += fraction * volume * soil.young[p];
+      content.mass += fraction * soil.mass[p];
+      const auto& leaf = table.leaves[soil.parts.leaf[i]];
+      const std::array<double, dim>& middle = soil.parts.middle[i];
       std::array<double, 3> x{};
       for (unsigned int d = 0; d < dim; ++d)
         x[d] = (middle[d] - leaf.lower[d]) / leaf.size - 0.5;
       for (unsigned int d = 0; d < 3; ++d)
       {
-        content.moment[d] += overlap.fraction * volume * x[d];
-        content.mixed_moment[d] += overlap.fraction * volume * x[(d + 1) % 3] * x[(d + 2) % 3];
+        content.moment[d] += fraction * volume * x[d];
+        content.mixed_moment[d] += fraction * volume * x[(d + 1) % 3] * x[(d + 2) % 3];
       }
     }
   }

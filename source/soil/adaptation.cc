@@ -116,8 +116,9 @@ std::vector<unsigned char> CellAdaptation<dim>::find_soil(const std::vector<unsi
       half_widths.push_back(particles.half_widths()[p]);
     }
   const std::vector<double> nothing(centres.size(), 0.); // the volume is all that counts here
-  const std::vector<LeafContent> contents =
-      find_leaf_contents<dim>(table, {centres, half_widths, nothing, nothing, nothing}, 0., mesh.communicator());
+  const std::vector<LeafContent> contents = find_leaf_contents<dim>(
+      table, {find_box_parts<dim>(table, centres, half_widths), half_widths, nothing, nothing, nothing}, 0.,
+      mesh.communicator());
   std::vector<unsigned char> holds_soil(contents.size());
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
     holds_soil[leaf] = is_populated(contents[leaf]);

@@ -10,14 +10,14 @@ namespace
 constexpr double full_share = 0.49;
 
 /// What the leaves (owned and ghost) hold. Collective.
-template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context)
+template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context, const BoxParts<dim>& parts)
 {
   const ParticleSet<dim>& particles = context.soil.particles();
   const ParticleArrays& arrays = particles.arrays();
   const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
                             initial_volume = download(arrays.initial_volume);
   return find_leaf_contents<dim>(context.soil.mesh().leaves(),
-                                 {particles.positions(), particles.half_widths(), young, mass, initial_volume},
+                                 {parts, particles.half_widths(), young, mass, initial_volume},
                                  context.solver.poor_factor, context.soil.communicator());
 }
 
@@ -88,18 +88,22 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
   const bool has_ghosts =
       ghost_factors.stiffness > 0. || ghost_factors.relative_stiffness > 0. || ghost_factors.mass > 0.;
   const bool f_bar = context.soil.parameters().f_bar;
-  const std::vector<LeafContent> contents = has_ghosts || f_bar ? find_contents(context) : std::vector<LeafContent>();
-  const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
-                                                                : std::vector<CellCorrection<dim>>();
   BoxParts<dim> parts;
-  HostStencils host;
   agree(communicator,
         [&]
         {
           context.timings.reach("stencils");
-          host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
-                                     context.basis == Basis::mpm, corrections, with_elements ? &parts : nullptr);
+          parts = find_box_parts<dim>(table, particles.positions(), particles.half_widths(), particles.leaves());
+          refuse_boxes_outside<dim>(parts, particles.positions());
         });
+  const std::vector<LeafContent> contents =
+      has_ghosts || f_bar ? find_contents(context, parts) : std::vector<LeafContent>();
+  const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
+                                                                : std::vector<CellCorrection<dim>>();
+  if (context.basis == Basis::mpm)
+    parts = find_box_parts<dim>(table, particles.positions(), point_boxes<dim>(particles.half_widths()),
+                                particles.leaves());
+  HostStencils host = build_stencils<dim>(table, parts, particles.leaves(), corrections);
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;
@@ -116,8 +120,9 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
   if (f_bar)
     basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves<dim>(table, contents));
   if (with_elements)
-    basis.elements = make_elements<dim>(table, parts, download(particles.arrays().initial_volume), basis.nodes.number,
-                                        groups_of_leaves(basis.cells, particles.leaves(), table.leaves.size()));
+    basis.elements =
+        make_elements<dim>(table, parts, corrections, download(particles.arrays().initial_volume), basis.nodes.number,
+                           groups_of_leaves(basis.cells, particles.leaves(), table.leaves.size()));
   basis.ghost_faces = upload_ghost_faces(std::move(faces), basis.nodes.number);
   return basis;
 }

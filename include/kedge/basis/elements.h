@@ -21,8 +21,10 @@ struct Elements
   std::size_t n() const { return cell.extent(0); }
 };
 
-/// `number`: leaf-table node -> active node. `group_of_leaf`: the group of F-bar of a leaf, or -1.
+/// `parts` and `corrections`: those of the stencils. `number`: leaf-table node -> active node. `group_of_leaf`: the
+/// group of F-bar of a leaf, or -1.
 template <int dim>
-Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts, const std::vector<double>& volume,
+Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts,
+                       const std::vector<CellCorrection<dim>>& corrections, const std::vector<double>& volume,
                        const std::vector<unsigned int>& number, const std::vector<int>& group_of_leaf);
 } // namespace kedge

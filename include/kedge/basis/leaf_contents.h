@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <kedge/mesh/leaf_table.h>
+#include <kedge/basis/box_parts.h>
 #include <mpi.h>
 #include <vector>
 
@@ -11,8 +11,9 @@ namespace kedge
 /// The data of this rank's particles that fill the leaves.
 template <int dim> struct SoilBoxes
 {
-  const std::vector<std::array<double, dim>>&centre, &half_width; ///< m
-  const std::vector<double>&young, &mass, &initial_volume;        ///< Pa, kg (2-D: kg/m), m3 (m2)
+  const BoxParts<dim>& parts;
+  const std::vector<std::array<double, dim>>& half_width;  ///< of the boxes, m
+  const std::vector<double>&young, &mass, &initial_volume; ///< Pa, kg (2-D: kg/m), m3 (m2)
 };
 
 /// Soil in a leaf, over all ranks. Each leaf gets the share of a particle that it has of the particle's box.
@@ -42,7 +43,7 @@ template <int dim>
 std::vector<unsigned int> find_neighbours(const LeafTable<dim>& table, unsigned int leaf, unsigned int axis,
                                           bool upper);
 
-/// Whether the basis sees the leaf. BoxAverage has dropped slivers already; a further threshold here would leave nodes
-/// of small cuts without stabilisation.
+/// Whether the basis sees the leaf. find_box_parts() has dropped slivers already; a further threshold here would leave
+/// nodes of small cuts without stabilisation.
 inline bool is_populated(const LeafContent& content) { return content.volume > 0.; }
 } // namespace kedge

@@ -38,8 +38,8 @@ template <int dim> struct Discretisation
   Discretisation(const BackgroundMesh<dim>& mesh, const ParticleSet<dim>& particles)
   {
     const LeafTable<dim>& table = mesh.leaves();
-    HostStencils host = build_stencils<dim>(table, particles.positions(), particles.half_widths(), particles.leaves(),
-                                            false, {}, &box_parts);
+    box_parts = find_box_parts<dim>(table, particles.positions(), particles.half_widths(), particles.leaves());
+    HostStencils host = build_stencils<dim>(table, box_parts, particles.leaves());
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;
@@ -67,7 +67,7 @@ template <int dim> struct Discretisation
                          const CellGroups& groups) const
   {
     const LeafTable<dim>& table = mesh.leaves();
-    return kedge::make_elements<dim>(table, box_parts, download(particles.arrays().initial_volume), nodes.number,
+    return kedge::make_elements<dim>(table, box_parts, {}, download(particles.arrays().initial_volume), nodes.number,
                                      groups_of_leaves(groups, particles.leaves(), table.leaves.size()));
   }
 

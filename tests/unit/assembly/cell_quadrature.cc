@@ -17,18 +17,23 @@ public:
     const ParticleArrays& arrays = block.particles.arrays();
     const std::vector<double> young = download(arrays.young), mass = download(arrays.mass);
     volume = download(arrays.initial_volume);
-    contents = find_leaf_contents<dim>(
-        table(), {block.particles.positions(), block.particles.half_widths(), young, mass, volume}, 0.25,
-        MPI_COMM_WORLD);
+    contents = find_leaf_contents<dim>(table(), {parts(), block.particles.half_widths(), young, mass, volume}, 0.25,
+                                       MPI_COMM_WORLD);
   }
 
   const LeafTable<dim>& table() const { return block.mesh.leaves(); }
 
+  BoxParts<dim> parts() const
+  {
+    return find_box_parts<dim>(table(), block.particles.positions(), block.particles.half_widths(),
+                               block.particles.leaves());
+  }
+
   HostStencils stencils(const bool corrected) const
   {
-    return build_stencils<dim>(
-        table(), block.particles.positions(), block.particles.half_widths(), block.particles.leaves(), false,
-        corrected ? find_cell_corrections<dim>(table(), contents) : std::vector<CellCorrection<dim>>());
+    return build_stencils<dim>(table(), parts(), block.particles.leaves(),
+                               corrected ? find_cell_corrections<dim>(table(), contents)
+                                         : std::vector<CellCorrection<dim>>());
   }
 
   /// By node and axis: sum of volume times gradient, over the ranks: what uniform unit pressure does to the nodes.

@@ -18,9 +18,11 @@ template <int dim> struct StabilisedBlock
     const ParticleArrays& particles = block.particles.arrays();
     const std::vector<double> young = download(particles.young), mass = download(particles.mass),
                               initial_volume = download(particles.initial_volume);
-    const std::vector<LeafContent> contents = find_leaf_contents<dim>(
-        table, {block.particles.positions(), block.particles.half_widths(), young, mass, initial_volume}, 0.9,
-        communicator);
+    const std::vector<LeafContent> contents =
+        find_leaf_contents<dim>(table,
+                                {find_box_parts<dim>(table, block.particles.positions(), block.particles.half_widths()),
+                                 block.particles.half_widths(), young, mass, initial_volume},
+                                0.9, communicator);
     HostGhostFaces host = find_ghost_faces<dim>(table, contents, {0.1, 0.25});
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.nodes)

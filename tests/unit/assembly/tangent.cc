@@ -1,3 +1,4 @@
+#include "../basis/box_average.h"
 #include "block.h"
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -161,7 +162,6 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
   const ParticleArrays& arrays = serial.particles.arrays();
   const auto b = on_host(arrays.elastic_left_cauchy_green);
   const auto volume = on_host(arrays.initial_volume), young = on_host(arrays.young);
-  BoxAverage<dim> box(serial.mesh.leaves());
   std::vector<double> expected(dim * serial.mesh.leaves().node_ids.size(), 0.);
   for (std::size_t p = 0; p < arrays.n; ++p)
   {
@@ -185,8 +185,8 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
           for (int l = 0; l < 3; ++l)
             stress(i, j) += volume(p) * tangent(i, j, k, l) * spatial(k, l);
     const Eigen::Matrix3d flux = stress * dF.inverse().transpose();
-    box.find_overlaps(serial.particles.positions()[p], serial.particles.half_widths()[p]);
-    for (const NodeShare<dim>& share : box.average())
+    for (const NodeShare<dim>& share : test::average_over_box<dim>(
+             serial.mesh.leaves(), serial.particles.positions()[p], serial.particles.half_widths()[p]))
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
           expected[dim * share.node + i] += flux(i, j) * share.gradient[j];

@@ -62,7 +62,9 @@ template <int dim> Soil<dim> make_soil(const LeafTable<dim>& table, const FillOf
 template <int dim>
 std::vector<LeafContent> find_contents(const LeafTable<dim>& table, const Soil<dim>& soil, const double poor)
 {
-  return find_leaf_contents<dim>(table, {soil.centre, soil.half_width, soil.young, soil.mass, soil.initial_volume},
+  return find_leaf_contents<dim>(table,
+                                 {find_box_parts<dim>(table, soil.centre, soil.half_width), soil.half_width, soil.young,
+                                  soil.mass, soil.initial_volume},
                                  poor, MPI_COMM_WORLD);
 }
 

@@ -1,4 +1,5 @@
 #include "../mesh/refined_mesh.h"
+#include "box_average.h"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <kedge/basis/gimp.h>
@@ -54,9 +55,7 @@ public:
 
   std::vector<NodeShare<dim>> average(const Box& box) const
   {
-    BoxAverage<dim> average(table());
-    average.find_overlaps(box.centre, box.half_width);
-    return average.average();
+    return test::average_over_box<dim>(table(), box.centre, box.half_width);
   }
 
   /// Largest difference of values, and of gradients times a length, between two sets of shares.
@@ -231,7 +230,7 @@ TYPED_TEST(Gimp, ABoxBesideTheGridHasNoOverlaps)
   centre.fill(0.1);
   half_width.fill(0.05);
   centre[dim - 1] = -0.05 - 1e-9;
-  EXPECT_TRUE(BoxAverage<dim>(this->table()).find_overlaps(centre, half_width).empty());
+  EXPECT_TRUE(find_box_parts<dim>(this->table(), {centre}, {half_width}).leaf.empty());
 }
 
 TYPED_TEST(Gimp, ABoxWithinItsLeafSeesTheShapeFunctionsAtItsCentre)
@@ -262,17 +261,15 @@ TEST(GimpOnRegularCells, ABoxEndingOnAFaceActivatesNoSlivers)
   for (const double size : {0.1, 0.3, 0.7})
   {
     BackgroundMesh<3> mesh(MPI_COMM_SELF, test::make_brick<3>({{7, 5, 3}}, size));
-    BoxAverage<3> box(mesh.leaves());
     for (unsigned int i = 0; i < 14; ++i)
       for (unsigned int j = 0; j < 10; ++j)
         for (unsigned int k = 0; k < 6; ++k)
         {
           const double spacing = size / 2.;
-          EXPECT_EQ(box.find_overlaps({{spacing * (i + 0.5), spacing * (j + 0.5), spacing * (k + 0.5)}},
-                                      {{0.5 * spacing, 0.5 * spacing, 0.5 * spacing}})
-                        .size(),
-                    1u);
-          EXPECT_EQ(box.average().size(), 8u);
+          const std::array<double, 3> centre{{spacing * (i + 0.5), spacing * (j + 0.5), spacing * (k + 0.5)}},
+              half_width{{0.5 * spacing, 0.5 * spacing, 0.5 * spacing}};
+          EXPECT_EQ(find_box_parts<3>(mesh.leaves(), {centre}, {half_width}).leaf.size(), 1u);
+          EXPECT_EQ(test::average_over_box<3>(mesh.leaves(), centre, half_width).size(), 8u);
         }
   }
 }
@@ -280,7 +277,7 @@ TEST(GimpOnRegularCells, ABoxEndingOnAFaceActivatesNoSlivers)
 TEST(GimpOnRegularCells, ABoxAcrossAllFacesSees27Nodes)
 {
   BackgroundMesh<3> mesh(MPI_COMM_SELF, test::make_brick<3>({{3, 3, 3}}, 0.1));
-  BoxAverage<3> box(mesh.leaves());
-  EXPECT_EQ(box.find_overlaps({{0.11, 0.12, 0.13}}, {{0.035, 0.035, 0.035}}).size(), 8u);
-  EXPECT_EQ(box.average().size(), 27u);
+  const std::array<double, 3> centre{{0.11, 0.12, 0.13}}, half_width{{0.035, 0.035, 0.035}};
+  EXPECT_EQ(find_box_parts<3>(mesh.leaves(), {centre}, {half_width}).leaf.size(), 8u);
+  EXPECT_EQ(test::average_over_box<3>(mesh.leaves(), centre, half_width).size(), 27u);
 }

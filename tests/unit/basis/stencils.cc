@@ -1,5 +1,6 @@
 #include "../mesh/refined_mesh.h"
 #include "../on_host.h"
+#include "box_average.h"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
@@ -41,7 +42,9 @@ public:
 
   HostStencils build(const bool point_basis = false) const
   {
-    return build_stencils<dim>(this->mesh.leaves(), centre, half_width, leaf, point_basis);
+    const LeafTable<dim>& table = this->mesh.leaves();
+    return build_stencils<dim>(
+        table, find_box_parts<dim>(table, centre, point_basis ? point_boxes<dim>(half_width) : half_width, leaf), leaf);
   }
 
   /// Numbers in reverse order, so that the order of nodes within a pattern must change.
@@ -96,11 +99,11 @@ TYPED_TEST_SUITE(Stencils, Dimensions, test::DimensionName);
 TYPED_TEST(Stencils, GiveEachParticleItsOwnValues)
 {
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
-  BoxAverage<TypeParam::value> box(this->mesh.leaves());
   for (std::size_t p = 0; p < this->centre.size(); ++p)
   {
-    box.find_overlaps(this->centre[p], this->half_width[p]);
-    ASSERT_EQ(this->shares_of(set, p), this->to_map(box.average())) << "particle " << p;
+    constexpr int dim = TypeParam::value;
+    const auto alone = test::average_over_box<dim>(this->mesh.leaves(), this->centre[p], this->half_width[p]);
+    ASSERT_EQ(this->shares_of(set, p), this->to_map(alone)) << "particle " << p;
   }
 }
 
@@ -208,14 +211,20 @@ TYPED_TEST(Stencils, ShareOnePatternPerCellOnTheInitialGrid)
       half_width.push_back(half);
       leaf.push_back(l);
     }
-  const HostStencils host = build_stencils<dim>(mesh.leaves(), centre, half_width, leaf, false);
+  const HostStencils host =
+      build_stencils<dim>(mesh.leaves(), find_box_parts<dim>(mesh.leaves(), centre, half_width, leaf), leaf);
   EXPECT_EQ(host.pattern_node_begin.size() - 1, mesh.leaves().leaves.size());
 }
 
 TYPED_TEST(Stencils, RefuseAParticleOutsideTheGrid)
 {
+  constexpr int dim = TypeParam::value;
+  const auto look = [this] {
+    refuse_boxes_outside<dim>(find_box_parts<dim>(this->mesh.leaves(), this->centre, this->half_width), this->centre);
+  };
+  EXPECT_NO_THROW(look());
   this->centre.back().fill(-1.);
-  EXPECT_THROW(this->build(), SolverError);
+  EXPECT_THROW(look(), SolverError);
 }
 
 namespace

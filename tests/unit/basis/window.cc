@@ -1,5 +1,6 @@
 // At the planes of the moving window the basis ends as it does at the faces of the grid.
 #include "../mesh/refined_mesh.h"
+#include "box_average.h"
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <kedge/basis/ghost_faces.h>
@@ -44,7 +45,8 @@ public:
   std::vector<LeafContent> contents() const
   {
     const std::vector<double> ones(centre.size(), 1.);
-    return find_leaf_contents<dim>(table(), {centre, half_width, ones, ones, ones}, 0., MPI_COMM_WORLD);
+    return find_leaf_contents<dim>(
+        table(), {find_box_parts<dim>(table(), centre, half_width), half_width, ones, ones, ones}, 0., MPI_COMM_WORLD);
   }
 
   std::vector<Position> centre, half_width;
@@ -58,13 +60,11 @@ TYPED_TEST_SUITE(BasisInWindow, Dimensions, test::DimensionName);
 TYPED_TEST(BasisInWindow, SumsToOneAndItsGradientsToZero)
 {
   constexpr int dim = TypeParam::value;
-  BoxAverage<dim> average(this->table());
   for (std::size_t p = 0; p < this->centre.size(); ++p)
   {
-    average.find_overlaps(this->centre[p], this->half_width[p]);
     double sum = 0., largest_sum = 0.;
     std::array<double, dim> gradient{};
-    for (const auto& share : average.average())
+    for (const auto& share : test::average_over_box<dim>(this->table(), this->centre[p], this->half_width[p]))
     {
       sum += share.value;
       for (unsigned int d = 0; d < dim; ++d)
@@ -80,13 +80,11 @@ TYPED_TEST(BasisInWindow, SumsToOneAndItsGradientsToZero)
 TYPED_TEST(BasisInWindow, HasItsCentreInThatOfTheClippedBox)
 {
   constexpr int dim = TypeParam::value;
-  BoxAverage<dim> average(this->table());
   unsigned int clipped = 0;
   for (std::size_t p = 0; p < this->centre.size(); ++p)
   {
-    average.find_overlaps(this->centre[p], this->half_width[p]);
     double x = 0.;
-    for (const auto& share : average.average())
+    for (const auto& share : test::average_over_box<dim>(this->table(), this->centre[p], this->half_width[p]))
       x += share.value * this->table().node_position[share.node][0];
     const double low = this->centre[p][0] - this->half_width[p][0], high = this->centre[p][0] + this->half_width[p][0];
     clipped += low < this->lower - 1e-6 || high > this->upper + 1e-6;
@@ -97,8 +95,9 @@ TYPED_TEST(BasisInWindow, HasItsCentreInThatOfTheClippedBox)
 
 TYPED_TEST(BasisInWindow, NamesNoNodesBeyondThePlanes)
 {
-  const HostStencils stencils =
-      build_stencils<TypeParam::value>(this->table(), this->centre, this->half_width, this->leaf_of_box, false);
+  const HostStencils stencils = build_stencils<TypeParam::value>(
+      this->table(), find_box_parts<TypeParam::value>(this->table(), this->centre, this->half_width),
+      this->leaf_of_box);
   for (const unsigned int node : stencils.pattern_nodes)
   {
     EXPECT_GT(this->table().node_position[node][0], this->lower - 1e-9);
