@@ -11,6 +11,9 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
   const std::vector<unsigned int> pattern_nodes = download(stencils.pattern_nodes);
   std::vector<unsigned int> particle_begin{0}, node_begin{0}, nodes;
   const std::size_t n = leaf_of_particle.size();
+  const unsigned int n_nodes =
+      pattern_nodes.empty() ? 0 : *std::max_element(pattern_nodes.begin(), pattern_nodes.end()) + 1;
+  std::vector<std::size_t> last_cell(n_nodes, 0); // by node, the number of cells with the last one that has it
   for (std::size_t begin = 0, end = 0; begin < n; begin = end)
   {
     unsigned int last = pattern[begin]; // the patterns of a cell are consecutive; its first particle has the first
@@ -18,10 +21,13 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
     const std::size_t most = is_full[leaf] ? n : begin + 1;
     for (end = begin; end < most && leaf_of_particle[end] == leaf; ++end)
       last = std::max(last, pattern[end]);
-    nodes.insert(nodes.end(), pattern_nodes.begin() + pattern_begin[pattern[begin]],
-                 pattern_nodes.begin() + pattern_begin[last + 1]);
+    for (unsigned int i = pattern_begin[pattern[begin]]; i < pattern_begin[last + 1]; ++i)
+      if (std::size_t& cell = last_cell[pattern_nodes[i]]; cell != particle_begin.size())
+      {
+        cell = particle_begin.size();
+        nodes.push_back(pattern_nodes[i]);
+      }
     std::sort(nodes.begin() + node_begin.back(), nodes.end());
-    nodes.erase(std::unique(nodes.begin() + node_begin.back(), nodes.end()), nodes.end());
     particle_begin.push_back(end);
     node_begin.push_back(nodes.size());
   }

@@ -25,27 +25,22 @@ void append_gradients(const LeafTable<dim>& table, const unsigned int leaf, cons
     mean[d] = soil.first[d] / soil.volume;
     spread[d] = std::sqrt(std::max(0., soil.second[d] / soil.volume - mean[d] * mean[d]));
   }
-  std::vector<unsigned int> order;
-  std::vector<NodeShare<dim>> shares;
+  const auto& cell = table.leaves[leaf];
+  const auto node = [&](const unsigned int n) { return number[table.nodes[cell.node_begin + n]]; };
+  std::vector<unsigned int> order(cell.n_nodes);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](const unsigned int a, const unsigned int b) { return node(a) < node(b); });
+  for (const unsigned int n : order)
+    nodes.push_back(node(n));
+  std::vector<std::array<double, dim>> found;
   for (unsigned int sample = 0; sample < (1u << dim); ++sample)
   {
     std::array<double, dim> x;
     for (unsigned int d = 0; d < dim; ++d)
       x[d] = mean[d] + ((sample >> d) & 1u ? spread[d] : -spread[d]);
-    shares.clear();
-    add_leaf_shape<dim>(table, leaf, x, 1., shares);
-    if (sample == 0)
-    {
-      order.resize(shares.size());
-      std::iota(order.begin(), order.end(), 0u);
-      std::sort(order.begin(), order.end(),
-                [&](const unsigned int a, const unsigned int b)
-                { return number[shares[a].node] < number[shares[b].node]; });
-      for (const unsigned int i : order)
-        nodes.push_back(number[shares[i].node]);
-    }
-    for (const unsigned int i : order)
-      gradients.insert(gradients.end(), shares[i].gradient.begin(), shares[i].gradient.end());
+    find_leaf_gradients<dim>(table, leaf, x, found);
+    for (const unsigned int n : order)
+      gradients.insert(gradients.end(), found[n].begin(), found[n].end());
   }
 }
 } // namespace

@@ -223,6 +223,20 @@ void add_leaf_shape(const LeafTable<dim>& table, const unsigned int number, cons
 }
 
 template <int dim>
+void find_leaf_gradients(const LeafTable<dim>& table, const unsigned int number, const std::array<double, dim>& x,
+                         std::vector<std::array<double, dim>>& gradients)
+{
+  const auto& leaf = table.leaves[number];
+  gradients.assign(leaf.n_nodes, {});
+  hand_to_nodes<dim>(table, leaf, shares_of_vertices<dim>(leaf, {x, 1.}, {x, 1.}, {}),
+                     [&](const unsigned int n, const double factor, double, const double* gradient)
+                     {
+                       for (unsigned int d = 0; d < dim; ++d)
+                         gradients[n][d] += factor * gradient[d];
+                     });
+}
+
+template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const BoxParts<dim>& parts,
                             const std::vector<unsigned int>& leaf_of_particle,
                             const std::vector<CellCorrection<dim>>& corrections)
@@ -242,10 +256,10 @@ HostStencils build_stencils(const LeafTable<dim>& table, const BoxParts<dim>& pa
   }
   const auto uninitialised = [](const char* label)
   { return Kokkos::view_alloc(std::string(label), Kokkos::WithoutInitializing); };
-  stencils.value = HostArray<double>(uninitialised("S"), stencils.value_begin[n]);
-  stencils.gradient = HostArray<double>(uninitialised("grad S"), dim * stencils.value_begin[n] + 1);
+  stencils.value = HostView<double*>(uninitialised("S"), stencils.value_begin[n]);
+  stencils.gradient = HostView<double*>(uninitialised("grad S"), dim * stencils.value_begin[n] + 1);
   stencils.gradient(dim * stencils.value_begin[n]) = 0.; // kernels read whole SIMD registers
-  stencils.volume_factor = HostArray<double>(uninitialised("volume factor"), n);
+  stencils.volume_factor = HostView<double*>(uninitialised("volume factor"), n);
   Kokkos::parallel_for("average shape functions", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, n),
                        AverageKernel<dim>{table, parts, corrections, patterns, stencils});
   list_particles(stencils);
@@ -309,6 +323,8 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void add_leaf_shape<dim>(const LeafTable<dim>&, unsigned int, const std::array<double, dim>&, double,       \
                                     std::vector<NodeShare<dim>>&);                                                     \
+  template void find_leaf_gradients<dim>(const LeafTable<dim>&, unsigned int, const std::array<double, dim>&,          \
+                                         std::vector<std::array<double, dim>>&);                                       \
   template HostStencils build_stencils<dim>(const LeafTable<dim>&, const BoxParts<dim>&,                               \
                                             const std::vector<unsigned int>&,                                          \
                                             const std::vector<CellCorrection<dim>>&);                                  \

@@ -21,7 +21,10 @@ template <int dim>
 void add_leaf_shape(const LeafTable<dim>& table, unsigned int leaf, const std::array<double, dim>& x, double weight,
                     std::vector<NodeShare<dim>>& shares);
 
-template <typename T> using HostArray = typename View<T*>::HostMirror;
+/// Gradients (1/m) of a leaf's true nodes at a point x (m) of the leaf, in the order in which it names them.
+template <int dim>
+void find_leaf_gradients(const LeafTable<dim>& table, unsigned int leaf, const std::array<double, dim>& x,
+                         std::vector<std::array<double, dim>>& gradients);
 
 /// The particles of a rank with their patterns, before nodes are numbered: nodes are local numbers of the leaf table.
 struct HostStencils
@@ -29,7 +32,7 @@ struct HostStencils
   std::vector<unsigned int> pattern_node_begin, pattern_nodes, pattern_particle_begin, pattern_particles,
       pattern_of_particle;
   std::vector<std::size_t> value_begin;
-  HostArray<double> value, gradient, volume_factor;
+  HostView<double*> value, gradient, volume_factor;
 };
 
 /// Shape functions S_v and grad S_v, averaged over the particles' boxes (Bardenhagen & Kober 2004; one point per part
