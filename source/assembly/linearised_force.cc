@@ -1,7 +1,6 @@
 #include <kedge/assembly/lanes.h>
 #include <kedge/assembly/linearised_force.h>
 #include <kedge/assembly/point_tangents.h>
-#include <kedge/base/groups.h>
 
 namespace kedge
 {
@@ -173,85 +172,33 @@ template <int dim> struct ProductKernel
       return particle(begin);
     Row dilations = Row::Zero(), volumes = Row::Zero();
     for (unsigned int p = begin; p < end; ++p)
-      find_flux(p, dilations, volumes);
-    const double dilation = derivative.modulus(c) * sum_of(dilations), volume = derivative.spring(c) * sum_of(volumes);
+    {
+      Row H[dim], w[dim];
+      displacement_gradient<dim>(stencils, direction, p, H);
+      multiply(p, H, w);
+      for (int m = 0; m < dim; ++m)
+        flux(p, m) = w[m];
+      for (int k = 0; k < dim; ++k)
+      {
+        dilations += cell_row(p, 2, k) * H[k];
+        volumes += cell_row(p, 3, k) * H[k];
+      }
+    }
+    double dilation = 0., volume = 0.;
+    for (int n = 0; n < dim; ++n) // not the lane behind them
+    {
+      dilation += derivative.modulus(c) * dilations[n];
+      volume += derivative.spring(c) * volumes[n];
+    }
     for (unsigned int p = begin; p < end; ++p)
     {
       Row w[dim];
       for (int m = 0; m < dim; ++m)
+      {
         w[m] = flux(p, m) + dilation * cell_row(p, 0, m) - volume * cell_row(p, 1, m);
+      }
       scatter(p, w);
     }
-  }
-
-  /// The same for the i-th of the cells that have several particles. Threads take its particles in turn, then its
-  /// nodes: adding up by node, they meet other cells only.
-  KEDGE_FUNCTION void operator()(const GroupMember& group, double*, const unsigned int i) const
-  {
-    const CellScatter& table = derivative.scatter;
-    const unsigned int c = table.sharing(i), begin = cells.particle_begin(c), n = cells.particle_begin(c + 1) - begin;
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
-                         [&](const unsigned int p)
-                         {
-                           Row dilations = Row::Zero(), volumes = Row::Zero();
-                           find_flux(begin + p, dilations, volumes);
-                           table.change(begin + p, 0) = sum_of(dilations);
-                           table.change(begin + p, 1) = sum_of(volumes);
-                         });
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
-                         [&](const unsigned int p)
-                         {
-                           double dilation = 0., volume = 0.;
-                           for (unsigned int q = begin; q < begin + n; ++q)
-                           {
-                             dilation += derivative.modulus(c) * table.change(q, 0);
-                             volume += derivative.spring(c) * table.change(q, 1);
-                           }
-                           for (int m = 0; m < dim; ++m)
-                             flux(begin + p, m) +=
-                                 dilation * cell_row(begin + p, 0, m) - volume * cell_row(begin + p, 1, m);
-                         });
-    const unsigned int first = cells.node_begin(c), n_nodes = cells.node_begin(c + 1) - first;
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n_nodes),
-                         [&](const unsigned int v)
-                         {
-                           const unsigned char* place = &table.place(table.begin(i) + std::size_t(v) * n);
-                           Row f = Row::Zero();
-                           for (unsigned int p = 0; p < n; ++p)
-                             if (place[p] != CellScatter::nothing)
-                             {
-                               const double* gradient =
-                                   &stencils.gradient(dim * (stencils.value_begin(begin + p) + place[p]));
-                               for (int m = 0; m < dim; ++m)
-                                 f += flux(begin + p, m) * gradient[m];
-                             }
-                           add_to<lanes, dim>(&force(std::size_t(lanes) * cells.nodes(first + v)), f.matrix());
-                         });
-  }
-
-  /// The flux of a particle of several in a cell, without what the cell adds; its parts of the cell's sums are added to
-  /// `dilations` and `volumes`.
-  KEDGE_FUNCTION void find_flux(const unsigned int p, Row& dilations, Row& volumes) const
-  {
-    Row H[dim], w[dim];
-    displacement_gradient<dim>(stencils, direction, p, H);
-    multiply(p, H, w);
-    for (int m = 0; m < dim; ++m)
-      flux(p, m) = w[m];
-    for (int k = 0; k < dim; ++k)
-    {
-      dilations += cell_row(p, 2, k) * H[k];
-      volumes += cell_row(p, 3, k) * H[k];
-    }
-  }
-
-  /// Not of the lane behind them.
-  KEDGE_FUNCTION static double sum_of(const Row& row)
-  {
-    double sum = 0.;
-    for (int n = 0; n < dim; ++n)
-      sum += row[n];
-    return sum;
   }
 
   /// Row m of a set of a particle's terms.
@@ -310,8 +257,6 @@ LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSe
     derivative.flux = Rows<double>(uninitialised("flux"), n_sharing, set);
     derivative.modulus = View<float*>("modulus of the cell", cells.n_cells());
     derivative.spring = View<float*>("spring of the cell", cells.n_cells());
-    constexpr bool on_host = Kokkos::SpaceAccessibility<Kokkos::HostSpace, MemorySpace>::accessible;
-    derivative.scatter = on_host || cells.empty() ? CellScatter() : make_cell_scatter(stencils, cells);
   }
   const LineariseKernel<dim> kernel{{particles, stencils, materials, cells, elastic_share}, derivative};
   if (cells.empty())
@@ -335,16 +280,8 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
     Kokkos::parallel_for(
         "product", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
         KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.stencils.pattern_particles(i)); });
-  else if (derivative.scatter.empty())
-    Kokkos::parallel_for("product by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
   else
-  {
-    const View<unsigned int*> alone = derivative.scatter.alone;
-    Kokkos::parallel_for(
-        "product of particles alone", Kokkos::RangePolicy<ExecutionSpace>(0, alone.extent(0)),
-        KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.cells.particle_begin(alone(i))); });
-    for_each_in_groups("product by cell", derivative.scatter.sharing.extent(0), 0, kernel);
-  }
+    Kokkos::parallel_for("product by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
   Kokkos::parallel_for(
       "sum product", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
         for (int i = 0; i < dim; ++i)

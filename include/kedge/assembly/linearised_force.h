@@ -2,7 +2,6 @@
 // a sparse approximation of it for preconditioners.
 #pragma once
 
-#include <kedge/assembly/cell_scatter.h>
 #include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/lanes.h>
 #include <kedge/basis/elements.h>
@@ -21,7 +20,6 @@ struct LinearisedForce
   View<float*> modulus; ///< by cell: c, 1 over the sum of its particles' compliances, Pa/m3; 0 in cells of one
   View<float*> spring;  ///< by cell: g, Pa/m3; so too
   Rows<double> flux;    ///< workspace by particle: w_im in row m
-  CellScatter scatter;  ///< where threads of a GPU share cells, else empty
 };
 
 /// Finds the derivative at the increments of the last stress update. For Newton's damping, yielding particles get at

@@ -93,28 +93,6 @@ TYPED_TEST(LinearisedForceOf, ElasticSoilAtLargeStrainWithFBarIsTheTangent)
   EXPECT_LT(this->error_of_product(), single_precision);
 }
 
-TYPED_TEST(LinearisedForceOf, CellsThatThreadsShareIsThatOfCells)
-{
-  this->use(test::soil_material<MohrCoulomb>(), 5e-3, true);
-  const TpetraVector direction = this->block->parts->owned(*this->system, this->block->random_field(1., 50));
-  const TpetraVector expected = this->times(*this->product, direction);
-  this->derivative.scatter = make_cell_scatter(this->block->parts->stencils, this->cells);
-  EXPECT_GT(this->derivative.scatter.sharing.extent(0), 0u);
-  TpetraVector difference = this->times(*this->product, direction);
-  difference.update(-1., expected, 1.);
-  EXPECT_LT(difference.normInf(), 1e-14 * expected.normInf());
-
-  // particles alone, as in cells that are not full
-  const auto& leaves = this->block->particles.leaves();
-  std::vector<unsigned char> is_full(this->block->mesh.leaves().leaves.size(), 0);
-  for (std::size_t leaf = 0; leaf < is_full.size(); leaf += 2)
-    is_full[leaf] = 1;
-  const CellGroups mixed = group_by_cell(this->block->parts->stencils, leaves, is_full);
-  const CellScatter scatter = make_cell_scatter(this->block->parts->stencils, mixed);
-  EXPECT_GT(scatter.alone.extent(0), 0u);
-  EXPECT_EQ(scatter.alone.extent(0) + scatter.sharing.extent(0), mixed.n_cells());
-}
-
 TYPED_TEST(LinearisedForceOf, ConstrainedDofsIsTheIdentity)
 {
   this->use(test::soil_material<Elastic>(), 0., false);
