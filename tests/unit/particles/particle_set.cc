@@ -303,7 +303,8 @@ TYPED_TEST(Particles, StretchTheirDomainsUpToTheCap)
   const auto none = [](long long, unsigned int) { return 0.; };
   const auto ratio = [&](const unsigned int axis)
   {
-    const auto& particle = *this->particles.handler().begin();
+    const auto first = this->particles.handler().begin();
+    const auto& particle = *first;
     return particle.get_properties()[field::half_width + axis] /
            particle.get_properties()[field::initial_half_width + axis];
   };
