@@ -88,21 +88,23 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
   const bool has_ghosts =
       ghost_factors.stiffness > 0. || ghost_factors.relative_stiffness > 0. || ghost_factors.mass > 0.;
   const bool f_bar = context.soil.parameters().f_bar;
-  BoxParts<dim> parts;
+  const bool at_points = context.basis == Basis::mpm;
+  BoxParts<dim> whole, points; // what leaves hold follows from the whole boxes on every basis
   agree(communicator,
         [&]
         {
           context.timings.reach("stencils");
-          parts = find_box_parts<dim>(table, particles.positions(), particles.half_widths(), particles.leaves());
-          refuse_boxes_outside<dim>(parts, particles.positions());
+          whole = find_box_parts<dim>(table, particles.positions(), particles.half_widths(), particles.leaves());
+          if (at_points)
+            points = find_box_parts<dim>(table, particles.positions(), point_boxes<dim>(particles.half_widths()),
+                                         particles.leaves());
+          refuse_boxes_outside<dim>(at_points ? points : whole, particles.positions());
         });
+  const BoxParts<dim>& parts = at_points ? points : whole;
   const std::vector<LeafContent> contents =
-      has_ghosts || f_bar ? find_contents(context, parts) : std::vector<LeafContent>();
-  const auto corrections = f_bar && context.basis != Basis::mpm ? find_cell_corrections<dim>(table, contents)
-                                                                : std::vector<CellCorrection<dim>>();
-  if (context.basis == Basis::mpm)
-    parts = find_box_parts<dim>(table, particles.positions(), point_boxes<dim>(particles.half_widths()),
-                                particles.leaves());
+      has_ghosts || f_bar ? find_contents(context, whole) : std::vector<LeafContent>();
+  const auto corrections =
+      f_bar && !at_points ? find_cell_corrections<dim>(table, contents) : std::vector<CellCorrection<dim>>();
   HostStencils host = build_stencils<dim>(table, parts, particles.leaves(), corrections);
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)

@@ -1,6 +1,8 @@
 // How a step starts: what it looks at, what it takes over, what it leaves.
 #include "../bodies/shapes.h"
 #include "free_block.h"
+#include <kedge/base/exceptions.h>
+#include <kedge/steps/step_basis.h>
 
 using namespace kedge;
 
@@ -62,6 +64,22 @@ TEST(WishedInPlace, BodyCarriesWhatTheSoilHasCarriedThatItReplaces)
   EXPECT_LT(with, 0.02 * without);
   // the weight of the soil replaced, 0.8 m x 0.4 m x 20 kN/m3, which holds the block down no more
   EXPECT_NEAR(taken.loads[0][2], 0.8 * 0.4 * 2e4, 0.02 * 0.8 * 0.4 * 2e4);
+}
+
+TEST(PointBasis, RefusesAParticleWhoseCentreHasLeftTheGrid)
+{
+  // Its box still reaches in, which is enough for boxes alone.
+  BuriedBlock block;
+  for (auto& particle : block.particles.edit())
+    if (dealii::Point<2> x = particle.get_location(); x[0] < 2. * particle.get_properties()[field::half_width])
+    {
+      x[0] = -0.1 * particle.get_properties()[field::half_width];
+      particle.set_location(x);
+    }
+  StepContext<2> given = block.context();
+  EXPECT_NO_THROW(make_step_basis(given, ghost_factors(given.solver), true));
+  given.basis = Basis::mpm;
+  EXPECT_THROW(make_step_basis(given, ghost_factors(given.solver), true), SolverError);
 }
 
 TEST(Balance, IsReachedInParts)
