@@ -52,8 +52,6 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts,
 {
   // Count and sum up by leaf.
   const std::size_t n_particles = volume.size();
-  const auto correction_of = [&](const std::size_t part)
-  { return corrections.empty() ? CellCorrection<dim>() : corrections[parts.leaf[part]]; };
   std::vector<Moments<dim>> moments(table.leaves.size());
   std::vector<unsigned int> count(table.leaves.size(), 0);
   std::vector<double> whole(n_particles, 0.);
@@ -61,7 +59,7 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts,
     for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
     {
       Moments<dim>& soil = moments[parts.leaf[i]];
-      const CellCorrection<dim> correction = correction_of(i);
+      const CellCorrection<dim> correction = correction_of<dim>(corrections, parts.leaf[i]);
       const std::array<double, dim> place = correction.corrected(parts.middle[i]);
       const double v = parts.fraction[i] * correction.scale * volume[p];
       whole[p] += parts.fraction[i] * correction.scale;
@@ -94,7 +92,7 @@ Elements make_elements(const LeafTable<dim>& table, const BoxParts<dim>& parts,
     {
       const unsigned int at = next[element[parts.leaf[i]]]++;
       particle[at] = p;
-      share[at] = parts.fraction[i] * correction_of(i).scale / whole[p];
+      share[at] = parts.fraction[i] * correction_of<dim>(corrections, parts.leaf[i]).scale / whole[p];
     }
   gradients.push_back(0.); // kernels read whole SIMD registers
   return {dim,

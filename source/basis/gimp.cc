@@ -77,7 +77,7 @@ template <int dim> class PatternSearch
 {
 public:
   PatternSearch(const LeafTable<dim>& table_, const BoxParts<dim>& parts_, HostStencils& stencils_)
-      : table(table_), parts(parts_), stencils(stencils_), mark(table_.node_ids.size(), -1)
+      : table(table_), parts(parts_), stencils(stencils_), mark(table_.node_ids.size(), -1), place(mark.size())
   {
     stencils.pattern_node_begin.assign(1, 0);
   }
@@ -127,7 +127,6 @@ private:
           mark[node] = number;
         });
     std::sort(nodes.begin() + begin, nodes.end());
-    place.resize(mark.size());
     for (std::size_t i = begin; i < nodes.size(); ++i)
       place[nodes[i]] = static_cast<unsigned short>(i - begin);
     slot_begin.push_back(slots.size());
@@ -166,7 +165,7 @@ template <int dim> struct AverageKernel
     for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
     {
       const auto& leaf = table.leaves[parts.leaf[i]];
-      const CellCorrection<dim> correction = corrections.empty() ? CellCorrection<dim>() : corrections[parts.leaf[i]];
+      const CellCorrection<dim> correction = correction_of<dim>(corrections, parts.leaf[i]);
       const double weight = parts.fraction[i] * correction.scale;
       volume += weight;
       hand_to_nodes<dim>(table, leaf,

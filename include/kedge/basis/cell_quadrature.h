@@ -28,6 +28,13 @@ template <int dim> struct CellCorrection
   }
 };
 
+/// That of a leaf; none where there are no corrections.
+template <int dim>
+CellCorrection<dim> correction_of(const std::vector<CellCorrection<dim>>& corrections, const unsigned int leaf)
+{
+  return corrections.empty() ? CellCorrection<dim>() : corrections[leaf];
+}
+
 /// The corrections of all leaves: of those that are full, and none for the others.
 template <int dim>
 std::vector<CellCorrection<dim>> find_cell_corrections(const LeafTable<dim>& table,
