@@ -4,6 +4,7 @@
 #include <deal.II/base/config.h>
 #include <filesystem>
 #include <fmt/format.h>
+#include <kedge/base/exceptions.h>
 #include <kedge/output/summary.h>
 #include <mpi.h>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,8 @@ Json to_json(const StageSummary& stage)
           {"cells", stage.cells},
           {"dofs", stage.dofs},
           {"deleted", stage.deleted},
+          {"mass", stage.mass},
+          {"removed mass", stage.removed_mass},
           {"deepest penetration", stage.penetration},
           {"bytes per material point", {{"data", stage.particle_bytes}, {"basis", stage.basis_bytes}}},
           {"rigid points at start", stage.start_positions}};
@@ -45,11 +48,58 @@ StageSummary stage_from(const Json& json)
   stage.cells = json.at("cells");
   stage.dofs = json.at("dofs");
   stage.deleted = json.at("deleted");
+  stage.mass = json.value("mass", 0.); // older restart files have none
+  stage.removed_mass = json.value("removed mass", 0.);
   stage.penetration = json.at("deepest penetration");
   stage.particle_bytes = json.at("bytes per material point").at("data");
   stage.basis_bytes = json.at("bytes per material point").at("basis");
   stage.start_positions = json.at("rigid points at start").get<std::vector<std::array<double, 3>>>();
   return stage;
+}
+
+Json to_json(const RunSummary& summary)
+{
+  Json stages = Json::array();
+  for (const StageSummary& stage : summary.stages)
+    stages.push_back(to_json(stage));
+  return {{"version", summary.version},
+          {"commit", summary.commit},
+          {"input", summary.input_file},
+          {"status", summary.status},
+          {"ranks", summary.ranks},
+          {"back end", summary.back_end},
+          {"GPU requested", summary.gpu_requested},
+          {"warnings", summary.warnings},
+          {"stages", stages},
+          {"wall time", {{"total", summary.total_seconds}, {"phases", summary.seconds}}},
+          {"peak memory", summary.peak_memory},
+          {"libraries", summary.libraries}};
+}
+
+constexpr int readable = 2, compact = -1; ///< indents
+
+/// A file name may hold bytes that are not UTF-8. They are replaced, so that the summary can be written.
+std::string to_text(const Json& json, const int indent = readable)
+{
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// The summary that is there with another status; null if there is none.
+Json with_status(const RunSummary& summary, const std::string& file)
+{
+  std::error_code ignored;
+  Json json = std::filesystem::exists(file, ignored) ? Json::parse(read_text_file(file), nullptr, false) : Json();
+  if (!json.is_object())
+    return {};
+  json["status"] = summary.status;
+  return json;
+}
+
+/// Returns whether there was room.
+bool change_status_in_place(const RunSummary& summary, const std::string& file)
+{
+  const Json json = with_status(summary, file);
+  return !json.is_null() && write_in_place(file, to_text(json, compact));
 }
 
 /// The first line only: some implementations add how they were built.
@@ -96,33 +146,26 @@ void read_stages(const std::string& text, RunSummary& summary)
 
 void write_summary(const RunSummary& summary, const std::string& file)
 {
-  Json stages = Json::array();
-  for (const StageSummary& stage : summary.stages)
-    stages.push_back(to_json(stage));
-  const Json json = {{"version", summary.version},
-                     {"commit", summary.commit},
-                     {"input", summary.input_file},
-                     {"status", summary.status},
-                     {"ranks", summary.ranks},
-                     {"back end", summary.back_end},
-                     {"GPU requested", summary.gpu_requested},
-                     {"warnings", summary.warnings},
-                     {"stages", stages},
-                     {"wall time", {{"total", summary.total_seconds}, {"phases", summary.seconds}}},
-                     {"peak memory", summary.peak_memory},
-                     {"libraries", summary.libraries}};
-  // A file name may hold bytes that are not UTF-8. They are replaced, so that the summary can be written.
-  replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  const Json json = to_json(summary);
+  try
+  {
+    replace_text_file(file, to_text(json));
+  }
+  catch (const DiskError&)
+  {
+    if (write_in_place(file, to_text(json, compact)))
+      return;
+    if (change_status_in_place(summary, file))
+      throw DiskError(file, "has room for a new status alone; the rest of it is what was written last");
+    throw;
+  }
 }
 
 void change_status(const RunSummary& summary, const std::string& file)
 {
-  std::error_code ignored;
-  const bool is_there = std::filesystem::exists(file, ignored);
-  Json json = is_there ? Json::parse(read_text_file(file), nullptr, false) : Json();
-  if (!json.is_object())
+  const Json json = with_status(summary, file);
+  if (json.is_null())
     return write_summary(summary, file);
-  json["status"] = summary.status;
-  replace_text_file(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  replace_text_file(file, to_text(json));
 }
 } // namespace kedge

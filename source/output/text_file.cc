@@ -86,6 +86,18 @@ void replace_text_file(const std::string& path, const std::string& text)
   give_name(path);
 }
 
+bool write_in_place(const std::string& path, std::string text)
+{
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  if (unknown || text.size() > size)
+    return false;
+  text.append(size - text.size(), ' ');
+  if (const int problem = write_to(open_to_write(path, "r+b", path), text))
+    fail(path, "could not be written in full", problem);
+  return true;
+}
+
 std::string read_text_file(const std::string& path)
 {
   std::ifstream file(path, std::ios::binary);

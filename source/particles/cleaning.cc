@@ -182,16 +182,27 @@ template <int dim>
 HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh)
 {
   HopelessParticles removed;
-  removed.distorted = particles.remove_if(is_distorted<dim>);
+  double mass = 0.;
+  const auto weigh = [&](const auto& particle)
+  {
+    const double here = particle.get_properties()[field::mass];
+    mass += std::isfinite(here) ? here : 0.;
+    return true;
+  };
+  removed.distorted =
+      particles.remove_if([&](const auto& particle) { return is_distorted<dim>(particle) && weigh(particle); });
   const Centres<dim> centres(particles, mesh);
   long long alone = 0;
   for (const auto& particle : particles.handler())
     alone += centres.is_alone(particle);
-  if (sum_over_ranks(alone, mesh.communicator()) == 0)
-    return removed;
-  const Crowding<dim> crowding(particles, mesh);
-  removed.isolated = particles.remove_if([&](const auto& particle)
-                                         { return centres.is_alone(particle) && crowding.is_isolated(particle); });
+  if (sum_over_ranks(alone, mesh.communicator()) > 0)
+  {
+    const Crowding<dim> crowding(particles, mesh);
+    removed.isolated = particles.remove_if(
+        [&](const auto& particle)
+        { return centres.is_alone(particle) && crowding.is_isolated(particle) && weigh(particle); });
+  }
+  removed.mass = sum_over_ranks(mass, mesh.communicator());
   return removed;
 }
 

@@ -309,6 +309,14 @@ template <int dim> long long ParticleSet<dim>::remove_if(const std::function<boo
   return sum_over_ranks(removed, mesh.communicator());
 }
 
+template <int dim> double ParticleSet<dim>::mass() const
+{
+  double sum = 0.;
+  for (const auto& particle : particles)
+    sum += particle.get_properties()[field::mass];
+  return sum;
+}
+
 template <int dim> double ParticleSet<dim>::bytes() const
 {
   const double in_handler = sizeof(double) * (field::count + 2. * dim) + sizeof(dealii::types::particle_index);

@@ -82,6 +82,15 @@ void RunLog::tell_time_step(const SteppingParameters& stepping, const double cri
   told_time_step = true;
 }
 
+void RunLog::tell_removed(const HopelessParticles& removed, const unsigned int step)
+{
+  if (removed.distorted + removed.isolated == 0)
+    return;
+  summary.stages.back().removed_mass += removed.mass;
+  terminal.line(fmt::format("step {}: {} distorted and {} isolated material points removed, {:.3g} kg", step,
+                            removed.distorted, removed.isolated, removed.mass));
+}
+
 void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)
 {
   StageSummary& counts = summary.stages.back();
@@ -127,7 +136,7 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
   terminal.progress(shown);
 }
 
-void RunLog::end_stage(const StepSummary& state, const long long cells, const double particle_bytes,
+void RunLog::end_stage(const StepSummary& state, const long long cells, const double mass, const double particle_bytes,
                        const double basis_bytes)
 {
   terminal.end_progress();
@@ -138,6 +147,7 @@ void RunLog::end_stage(const StepSummary& state, const long long cells, const do
   stage.cells = cells;
   stage.deleted = state.deleted - deleted_before;
   deleted_before = state.deleted;
+  stage.mass = sum_over_ranks(mass, world);
   const double n = std::max(1ll, state.particles);
   stage.particle_bytes = sum_over_ranks(particle_bytes, world) / n;
   stage.basis_bytes = sum_over_ranks(basis_bytes, world) / n;
@@ -203,6 +213,6 @@ void RunLog::write(const std::string& status)
   };
   const std::string problem = try_to_write("summary", [&] { agree(MPI_COMM_WORLD, write_on_root); });
   if (!problem.empty())
-    terminal.warn(fmt::format("{}; it does not say yet: {}", problem, status));
+    terminal.warn(fmt::format("{}; it should say: {}", problem, status));
 }
 } // namespace kedge

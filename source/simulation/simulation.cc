@@ -277,10 +277,7 @@ template <int dim> void Simulation<dim>::move_window()
 template <int dim> void Simulation<dim>::clean()
 {
   const auto scope = log.timings().measure("clean");
-  const HopelessParticles removed = soil.clean();
-  if (removed.distorted + removed.isolated > 0)
-    log.report().line(fmt::format("step {}: {} distorted and {} isolated material points removed", step_number,
-                                  removed.distorted, removed.isolated));
+  log.tell_removed(soil.clean(), step_number);
 }
 
 template <int dim> void Simulation<dim>::adapt()
@@ -360,7 +357,8 @@ template <int dim> void Simulation<dim>::give_up(const Clock& clock, const Newto
 template <int dim> void Simulation<dim>::end_stage()
 {
   step.reset();
-  log.end_stage(summarise_step(), soil.count_cells(), soil.particles().bytes(), basis_bytes);
+  const ParticleSet<dim>& particles = soil.particles();
+  log.end_stage(summarise_step(), soil.count_cells(), particles.mass(), particles.bytes(), basis_bytes);
 }
 
 template class Simulation<2>;

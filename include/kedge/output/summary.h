@@ -16,6 +16,7 @@ struct StageSummary
   long long newton_iterations = 0, krylov_iterations = 0, time_steps = 0; ///< time_steps: of explicit stages
   long long particles = 0, cells = 0, dofs = 0;       ///< at the end, over all ranks; cells: those that hold soil
   long long deleted = 0;                              ///< particles deleted during the stage
+  double mass = 0., removed_mass = 0.;                ///< of all particles at the end; of those hopeless; kg
   double penetration = 0.;                            ///< deepest one of all steps, m
   double particle_bytes = 0., basis_bytes = 0.;       ///< memory per particle: its data; its shape functions
   std::vector<std::array<double, 3>> start_positions; ///< of the rigid points, m
@@ -42,7 +43,8 @@ std::map<std::string, std::string> library_versions();
 std::string stages_as_text(const RunSummary& summary);
 void read_stages(const std::string& text, RunSummary& summary);
 
-/// Writes JSON. A reader sees the old summary or the new one, never a part. Throws FileError.
+/// Writes JSON. A reader sees the old summary or the new one, never a part. Where the disk has no room for a second
+/// file, the new one, or at least its status, is written over the old one. Throws FileError.
 void write_summary(const RunSummary& summary, const std::string& file);
 
 /// Writes the status into the summary that is there, or all of it where there is none.

@@ -18,6 +18,10 @@ void append_text(const std::string& path, const std::string& text);
 /// one, never a part. What could not be written is removed.
 void replace_text_file(const std::string& path, const std::string& text);
 
+/// Writes over the file that is there and needs no room for it on the disk; blanks fill what is left of the old text.
+/// Returns false and does nothing where `text` is longer than the file or there is none. Throws FileError.
+bool write_in_place(const std::string& path, std::string text);
+
 /// The second name, and how it becomes the name of the file. Throws FileError.
 std::string draft_of(const std::string& path);
 void give_name(const std::string& path);

@@ -10,6 +10,7 @@ struct HopelessParticles
 {
   long long distorted = 0; ///< not finite, or volume or domain beyond what soil can do
   long long isolated = 0;  ///< no other particle's domain near
+  double mass = 0.;        ///< of both, kg (2-D: per metre)
 };
 
 /// Removes distorted and isolated particles.

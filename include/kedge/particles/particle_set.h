@@ -72,6 +72,9 @@ public:
   /// Particles that left the grid and were dropped.
   long long n_lost() const { return lost; }
 
+  /// Of this rank's particles, kg (2-D: per metre).
+  double mass() const;
+
   /// Bytes that the particles of this rank take, in deal.II's handler and in the arrays.
   double bytes() const;
 

@@ -6,6 +6,7 @@
 #include <kedge/base/report.h>
 #include <kedge/bodies/rigid_systems.h>
 #include <kedge/output/summary.h>
+#include <kedge/particles/cleaning.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/solvers/newton.h>
 #include <kedge/time/clock.h>
@@ -42,14 +43,16 @@ public:
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
   /// Of an explicit stage, s: told once in a stage, with a warning once a given time step is longer.
   void tell_time_step(const SteppingParameters& stepping, double critical);
+  /// Counts the mass of what was removed, too.
+  void tell_removed(const HopelessParticles& removed, unsigned int step);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
   /// Warns once where domains of this rank, `here`, or another one's are cut as ParticleSet::n_cut says. Collective.
   void warn_of_cut_domains(long long here, unsigned int step);
-  /// `cells` hold soil; `particle_bytes` and `basis_bytes` are what this rank's particles and stencils take.
-  /// Collective.
-  void end_stage(const StepSummary& state, long long cells, double particle_bytes, double basis_bytes);
+  /// `cells` hold soil; `mass` is that of this rank's particles, kg, `particle_bytes` and `basis_bytes` are
+  /// what they and their stencils take. Collective.
+  void end_stage(const StepSummary& state, long long cells, double mass, double particle_bytes, double basis_bytes);
   /// Writes summary.json with how the run ends. Collective.
   void finish(const std::string& status);
   /// Writes into summary.json what went wrong. Ends all ranks if the others do not fail too. In a catch block.

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/history.h>
+#include <kedge/output/summary.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
 namespace kedge
@@ -44,6 +46,30 @@ std::set<std::string> files_in(const std::string& folder)
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     names.insert(entry.path().filename().string());
   return names;
+}
+
+TEST(FullDisk, SummaryTellsItsStatusInTheRoomThatItHas)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / own("summary.json");
+  RunSummary summary;
+  summary.status = "running";
+  summary.warnings = {"one"};
+  write_summary(summary, path);
+  const std::size_t size = read_text_file(path).size();
+  const LimitOfFiles limit(size); // "finished" is longer than "running"
+  const auto written = [&] { return nlohmann::json::parse(read_text_file(path)); };
+
+  summary.status = "finished";
+  write_summary(summary, path);
+  EXPECT_EQ(written().at("status"), "finished");
+  EXPECT_EQ(read_text_file(path).size(), size);
+
+  summary.status = "failed: too long";
+  summary.warnings = {std::string(size, 'x')};
+  EXPECT_THROW(write_summary(summary, path), DiskError);
+  EXPECT_EQ(written().at("status"), "failed: too long");
+  EXPECT_EQ(written().at("warnings").at(0), "one");
 }
 
 TEST(FullDisk, WhatReplacesAFileIsThereOrNot)

@@ -31,7 +31,8 @@ TEST(Summary, HoldsTheRun)
   summary.ranks = 3;
   summary.warnings = {"the GPU was asked for", "second"};
   summary.stages.resize(2);
-  summary.stages[1] = {"dynamic", 10, 2, 31, 900, 0, 70000, 12000, 41000, 17, 1e-4, 750., 1250., {{{1., 2., 3.}}}};
+  summary.stages[1] = {"dynamic", 10, 2,     31,  900,  0,    70000, 12000,
+                       41000,     17, 2.5e6, 0.5, 1e-4, 750., 1250., {{{1., 2., 3.}}}};
   summary.seconds = {{"assembly", 1.5}, {"solve", 2.25}};
   summary.total_seconds = 4.;
   summary.peak_memory = 2.5e9;
@@ -50,7 +51,8 @@ TEST(Summary, HoldsTheRun)
             "{\"type\":\"dynamic\",\"steps\":10,\"cuts\":2,\"newton iterations\":31,\"krylov iterations\":900,\"time "
             "steps\":0,"
             "\"material points\":70000,\"cells\":12000,\"dofs\":41000,\"deleted\":17,"
-            "\"deepest penetration\":0.0001,\"bytes per material point\":{\"data\":750.0,\"basis\":1250.0},"
+            "\"mass\":2500000.0,\"removed mass\":0.5,\"deepest penetration\":0.0001,\"bytes per material "
+            "point\":{\"data\":750.0,\"basis\":1250.0},"
             "\"rigid points at start\":[[1.0,2.0,3.0]]}");
   EXPECT_EQ(json["wall time"]["total"], 4.);
   EXPECT_EQ(json["wall time"]["phases"]["solve"], 2.25);

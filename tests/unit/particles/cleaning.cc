@@ -91,6 +91,20 @@ TYPED_TEST(Cleaning, RemovesWhatIsNotFinite)
   EXPECT_EQ(this->block.particles.n_global(), before - some);
 }
 
+TYPED_TEST(Cleaning, TellsTheMassThatItTakes)
+{
+  const auto mass = [&] { return sum_over_ranks(this->block.particles.mass(), MPI_COMM_WORLD); };
+  const double all = mass();
+  this->change_some([](double* data) { data[field::deformation_gradient] = 0.09; });
+  const HopelessParticles distorted = this->clean();
+  const double left = mass();
+  EXPECT_GT(distorted.mass, 0.);
+  EXPECT_NEAR(distorted.mass, all - left, 1e-12 * all);
+  this->keep_only({0.375, 1.125});
+  const double two = mass();
+  EXPECT_DOUBLE_EQ(this->clean().mass, two);
+}
+
 TYPED_TEST(Cleaning, RemovesDomainsWithoutExtent)
 {
   const long long some = this->change_some([](double* data) { data[field::half_width + 1] = 0.; });
