@@ -267,17 +267,17 @@ template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const
   std::map<long long, double> gaps;
   for (const Pair& pair : pairs)
   {
+    double& smallest = gaps.emplace(pair.key.particle, std::numeric_limits<double>::infinity()).first->second;
     double gap = pair.gap;
-    if (!std::isfinite(gap)) // evaluations look no farther than what may press
+    if (!std::isfinite(gap) && smallest > 0.) // evaluations look no farther than what may press
     {
       const WeldedSurface& welded = moved.surfaces[pair.key.surface];
       const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.start + corner_displacement(pair.point));
-      if (const auto closest = welded.surface.closest_point_within(x, pair.size))
+      KnownDistance known = pair.known;
+      if (const auto closest = welded.surface.closest_point_within(x, std::min(pair.size, smallest), known))
         gap = closest->gap;
     }
-    const auto [entry, is_new] = gaps.emplace(pair.key.particle, gap);
-    if (!is_new)
-      entry->second = std::min(entry->second, gap);
+    smallest = std::min(smallest, gap);
   }
   return gaps;
 }

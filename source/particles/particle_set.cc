@@ -14,7 +14,7 @@ namespace
 {
 /// What a particle near a body costs in addition, as a share of another's work: search, evaluation and gaps of its
 /// corners, measured on the AC-14 where it digs in.
-constexpr double contact_work = 1.2;
+constexpr double contact_work = 1.4;
 
 /// Number of nodes of the active leaves under a box. The box counts a little smaller, for its face may be a leaf's.
 template <int dim>

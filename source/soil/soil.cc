@@ -14,7 +14,7 @@ namespace kedge
 namespace
 {
 /// Work of the busiest rank over the mean above which a repartition pays.
-constexpr double worst_imbalance = 1.1;
+constexpr double worst_imbalance = 1.05;
 
 /// Samples per axis of a box.
 constexpr unsigned int samples = 4;
