@@ -57,11 +57,16 @@ StageSummary stage_from(const Json& json)
   return stage;
 }
 
+Json to_json(const std::vector<StageSummary>& stages)
+{
+  Json list = Json::array();
+  for (const StageSummary& stage : stages)
+    list.push_back(to_json(stage));
+  return list;
+}
+
 Json to_json(const RunSummary& summary)
 {
-  Json stages = Json::array();
-  for (const StageSummary& stage : summary.stages)
-    stages.push_back(to_json(stage));
   return {{"version", summary.version},
           {"commit", summary.commit},
           {"input", summary.input_file},
@@ -70,7 +75,7 @@ Json to_json(const RunSummary& summary)
           {"back end", summary.back_end},
           {"GPU requested", summary.gpu_requested},
           {"warnings", summary.warnings},
-          {"stages", stages},
+          {"stages", to_json(summary.stages)},
           {"wall time", {{"total", summary.total_seconds}, {"phases", summary.seconds}}},
           {"peak memory", summary.peak_memory},
           {"libraries", summary.libraries}};
@@ -95,11 +100,18 @@ Json with_status(const RunSummary& summary, const std::string& file)
   return json;
 }
 
-/// Returns whether there was room.
-bool change_status_in_place(const RunSummary& summary, const std::string& file)
+/// Over the old file where the disk has no room for a second one.
+void write(const Json& json, const std::string& file)
 {
-  const Json json = with_status(summary, file);
-  return !json.is_null() && write_in_place(file, to_text(json, compact));
+  try
+  {
+    replace_text_file(file, to_text(json));
+  }
+  catch (const DiskError&)
+  {
+    if (!write_in_place(file, to_text(json, compact)))
+      throw;
+  }
 }
 
 /// The first line only: some implementations add how they were built.
@@ -126,10 +138,8 @@ std::map<std::string, std::string> library_versions()
 
 std::string stages_as_text(const RunSummary& summary)
 {
-  Json stages = Json::array();
-  for (const StageSummary& stage : summary.stages)
-    stages.push_back(to_json(stage));
-  return Json{{"stages", stages}, {"total", summary.total_seconds}, {"phases", summary.seconds}}.dump();
+  return Json{{"stages", to_json(summary.stages)}, {"total", summary.total_seconds}, {"phases", summary.seconds}}
+      .dump();
 }
 
 void read_stages(const std::string& text, RunSummary& summary)
@@ -146,18 +156,16 @@ void read_stages(const std::string& text, RunSummary& summary)
 
 void write_summary(const RunSummary& summary, const std::string& file)
 {
-  const Json json = to_json(summary);
   try
   {
-    replace_text_file(file, to_text(json));
+    write(to_json(summary), file);
   }
   catch (const DiskError&)
   {
-    if (write_in_place(file, to_text(json, compact)))
-      return;
-    if (change_status_in_place(summary, file))
-      throw DiskError(file, "has room for a new status alone; the rest of it is what was written last");
-    throw;
+    const Json json = with_status(summary, file);
+    if (json.is_null() || !write_in_place(file, to_text(json, compact)))
+      throw;
+    throw DiskError(file, "has room for a new status alone; the rest of it is what was written last");
   }
 }
 
@@ -166,6 +174,6 @@ void change_status(const RunSummary& summary, const std::string& file)
   const Json json = with_status(summary, file);
   if (json.is_null())
     return write_summary(summary, file);
-  replace_text_file(file, to_text(json));
+  write(json, file);
 }
 } // namespace kedge

@@ -202,7 +202,8 @@ HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const B
         [&](const auto& particle)
         { return centres.is_alone(particle) && crowding.is_isolated(particle) && weigh(particle); });
   }
-  removed.mass = sum_over_ranks(mass, mesh.communicator());
+  if (removed.distorted + removed.isolated > 0) // which all ranks know: most steps need no sum
+    removed.mass = sum_over_ranks(mass, mesh.communicator());
   return removed;
 }
 
