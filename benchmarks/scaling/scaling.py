@@ -18,8 +18,9 @@ sys.path.insert(0, str(ROOT / "python"))
 
 from kedge_runs.program import ENVIRONMENT, command, default_program  # noqa: E402  (found only after the line above)
 
-RANKS = (1, 2, 4, 8, 16)
-PIECES = {1: (1, 1), 2: (2, 1), 4: (2, 2), 8: (4, 2), 16: (4, 4)}  # along x and y
+RANKS = (1, 2, 4, 8, 16, 32, 64)
+MOST_OF_ONE_MODEL = 16  # ranks that cut a model of given size
+PIECES = {1: (1, 1), 2: (2, 1), 4: (2, 2), 8: (4, 2), 16: (4, 4), 32: (8, 4), 64: (8, 8)}  # along x and y
 STEPS = (4, 8)
 EDGE = 0.8  # of a piece, m
 WIDTH, THICKNESS = 0.4, 0.2  # of a footing, m
@@ -177,10 +178,10 @@ def main():
         for ranks in options.ranks:
             if "weak" in options.series:
                 lines.append(measure(program, PIECES[ranks], ranks, options.cell, counter, "weak"))
-            if "strong" in options.series:
+            if "strong" in options.series and ranks <= MOST_OF_ONE_MODEL:
                 lines.append(measure(program, (2, 2), ranks, options.cell, counter, "strong"))
         if "size" in options.series:  # elastic soil: what the number of unknowns and the ranks do to the solver
-            for ranks in (1, max(options.ranks)):
+            for ranks in (1, min(max(options.ranks), MOST_OF_ONE_MODEL)):
                 for n in (1, 2, 4, 6):
                     lines.append(measure(program, (n, n), ranks, options.cell, counter, "size", "elastic"))
     with open(options.output, "w", newline="", encoding="utf-8") as file:

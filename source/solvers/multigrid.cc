@@ -16,8 +16,21 @@ using Hierarchy = MueLu::TpetraOperator<double, LocalOrdinal, GlobalOrdinal, Tpe
 constexpr unsigned int sweeps = 2;
 /// On all levels, before and after the coarse correction, where those do not do.
 constexpr int strong_sweeps = 4;
-/// Rows of the coarsest level that is factorised.
-constexpr int few_rows = 1000;
+/// What one rank takes over from others on levels with few rows.
+struct Gathering
+{
+  int few_rows; ///< of a level that one rank factorises
+  int least;    ///< rows per rank below which fewer ranks take a level
+  int target;   ///< rows of each of these
+};
+
+/// Each aggregate has a row per mode and a rank at least one aggregate, so among many ranks one that takes over 100 rows
+/// gets messages from 17 others at most; one that takes all rows of a level gets them from all.
+Gathering gathering(const int n_ranks)
+{
+  constexpr int few_ranks = 16;
+  return n_ranks <= few_ranks ? Gathering{1000, 1000, 2000} : Gathering{100, 50, 100};
+}
 
 /// How the coarsest level is solved.
 enum class Coarsest
@@ -34,9 +47,10 @@ const char* relaxation()
 }
 
 /// Of the levels below the finest one.
-Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const bool parallel,
+Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const bool strong, const int n_ranks,
                                             const Coarsest coarsest)
 {
+  const Gathering gathers = gathering(n_ranks);
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
   list.set("number of equations", static_cast<int>(block_size));
@@ -46,8 +60,8 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
   list.set("smoother: pre or post", strong ? "both" : "post");
   list.set("aggregation: type", "uncoupled");
   list.set("aggregation: drop tol", 0.0);
-  list.set("coarse: max size", coarsest == Coarsest::smoothed ? 300 : few_rows);
-  if (parallel && coarsest == Coarsest::factorised)
+  list.set("coarse: max size", coarsest == Coarsest::smoothed ? 300 : gathers.few_rows);
+  if (n_ranks > 1 && coarsest == Coarsest::factorised)
   {
     // Neighbouring ranks have neighbouring parts, so blocks of the rows' numbers are parts of the soil. MueLu's first
     // level stays as it is, for apply() takes its vectors.
@@ -55,8 +69,8 @@ Teuchos::ParameterList hierarchy_parameters(const unsigned int block_size, const
     list.set("repartition: partitioner", "zoltan2");
     list.sublist("repartition: params").set("algorithm", "block");
     list.set("repartition: start level", 1);
-    list.set("repartition: min rows per proc", 1000);
-    list.set("repartition: target rows per proc", 2000);
+    list.set("repartition: min rows per proc", gathers.least);
+    list.set("repartition: target rows per proc", gathers.target);
     list.set("repartition: rebalance P and R", false); // as renew() needs it
   }
   if (coarsest == Coarsest::smoothed)
@@ -138,10 +152,11 @@ struct Multigrid::Implementation
         sweeps_after(strong ? strong_sweeps : sweeps)
   {
     make_generic(*coarsening.matrix());
-    const bool parallel = matrix->getComm()->getSize() > 1;
+    const int n_ranks = matrix->getComm()->getSize();
     // What is on several ranks is factorised on a level below, which one rank has.
-    const bool one_rank_factorises = !parallel || coarsening.matrix()->getGlobalNumRows() > few_rows;
-    Teuchos::ParameterList list = hierarchy_parameters(coarsening.n_modes(), strong, parallel,
+    const Tpetra::global_size_t few_rows = gathering(n_ranks).few_rows;
+    const bool one_rank_factorises = n_ranks == 1 || coarsening.matrix()->getGlobalNumRows() > few_rows;
+    Teuchos::ParameterList list = hierarchy_parameters(coarsening.n_modes(), strong, n_ranks,
                                                        one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
     list.sublist("user data").set("Nullspace", coarsening.near_null_space());
     const Teuchos::RCP<TpetraOperator> coarse = coarsening.matrix();
