@@ -25,7 +25,7 @@ constexpr double almost_zero = 1e-10;
 /// Shares of the other entries of a row: what its diagonal has at least, and what it gets in addition. On a plate
 /// pulled through sand, shares of 0.01 to 0.05 save a sixth of GMRES's iterations.
 constexpr double least_diagonal = 0.1, reinforcement = 0.02;
-constexpr unsigned int worth_a_rebuild = 6;                // iterations that cost about as much as a renewed hierarchy
+constexpr unsigned int worth_a_rebuild = 10;               // iterations that cost about as much as a renewed hierarchy
 constexpr unsigned int short_basis = 30, long_basis = 100; // vectors of GMRES before it starts again
 constexpr double forgetting = 0.9; // factor on the expected waste per solve with a new hierarchy
 

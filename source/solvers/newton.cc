@@ -9,12 +9,13 @@ namespace
 constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 8;
-constexpr double slack = 0.7;           // share of the work along a step that may remain
-constexpr double growth_limit = 10.;    // of the residual in a step that is accepted for its work
-constexpr unsigned int patience = 3;    // iterations without progress that count as a cycle
-constexpr unsigned int stagnation = 24; // least number of iterations without progress before the load step is cut
-constexpr double progress = 0.9;        // an iteration makes progress if it lowers the lowest residual by this factor
-constexpr double hopeless = 1e8;        // growth of the residual since the start after which iterating is useless
+constexpr unsigned int max_halvings = 3; // to break a cycle; less than an eighth of a step gains nothing
+constexpr double slack = 0.7;            // share of the work along a step that may remain
+constexpr double growth_limit = 10.;     // of the residual in a step that is accepted for its work
+constexpr unsigned int patience = 3;     // iterations without progress that count as a cycle
+constexpr unsigned int stagnation = 24;  // least number of iterations without progress before the load step is cut
+constexpr double progress = 0.9;         // an iteration makes progress if it lowers the lowest residual by this factor
+constexpr double hopeless = 1e8;         // growth of the residual since the start after which iterating is useless
 
 /// Limits and factors of the damping. It is raised after a failed full step and lowered after full steps, faster if
 /// most of the work remains. A damped direction that allows only steps below `least_damped_step` is given up.
@@ -105,7 +106,8 @@ SearchPoint search_line(const Evaluate& at, const SearchPoint& full, const Searc
 template <typename Evaluate> SearchPoint shorten_step(const Evaluate& at, const SearchPoint& full, const double measure)
 {
   SearchPoint now = full, best = full;
-  for (unsigned int trial = 0; trial < max_trials && !(best.measure < measure && now.measure >= best.measure); ++trial)
+  for (unsigned int trial = 0; trial < max_halvings && !(best.measure < measure && now.measure >= best.measure);
+       ++trial)
   {
     now = at(0.5 * now.step);
     if (now.measure < best.measure || !std::isfinite(best.measure))
