@@ -25,7 +25,7 @@ struct Gathering
 };
 
 /// Each aggregate has a row per mode and a rank at least one aggregate, so among many ranks one that takes over 100
-/// rows gets messages from 17 others at most; one that takes all rows of a level gets them from all.
+/// rows gets messages from about 17 others; one that takes all rows of a level gets them from all.
 Gathering gathering(const int n_ranks)
 {
   constexpr int few_ranks = 16;
