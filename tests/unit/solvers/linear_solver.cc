@@ -234,7 +234,7 @@ TEST(RigidBodyModes, AreTranslationsAndRotationsOfTheWholeBody)
 
 TEST(RigidBodyModes, HardlyMoveConstrainedDofs)
 {
-  const Cube cube(3);
+  const Cube cube(5); // three nodes and more on each rank
   std::vector<unsigned char> constrained(cube.position.size(), 0);
   constrained[4] = 1;
   const auto modes = make_rigid_body_modes(cube.map, 3, cube.position, constrained);
