@@ -106,8 +106,8 @@ SearchPoint search_line(const Evaluate& at, const SearchPoint& full, const Searc
 template <typename Evaluate> SearchPoint shorten_step(const Evaluate& at, const SearchPoint& full, const double measure)
 {
   SearchPoint now = full, best = full;
-  for (unsigned int trial = 0; trial < max_halvings && !(best.measure < measure && now.measure >= best.measure);
-       ++trial)
+  const auto limit = [&] { return std::isfinite(best.measure) ? max_halvings : max_trials; };
+  for (unsigned int trial = 0; trial < limit() && !(best.measure < measure && now.measure >= best.measure); ++trial)
   {
     now = at(0.5 * now.step);
     if (now.measure < best.measure || !std::isfinite(best.measure))
