@@ -51,7 +51,7 @@ ParticleArrays make_arrays(const std::size_t n, const double volume)
   ParticleArrays arrays;
   arrays.n = n;
   arrays.elastic_left_cauchy_green = View<double* [6]>("b", n);
-  const auto b = Kokkos::create_mirror_view(arrays.elastic_left_cauchy_green);
+  const auto b = make_mirror(arrays.elastic_left_cauchy_green);
   for (std::size_t p = 0; p < n; ++p)
     for (unsigned int i = 0; i < 3; ++i)
       b(p, i) = 1.;

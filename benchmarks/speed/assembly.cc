@@ -51,8 +51,8 @@ struct Block
     ParticleIncrements increments;
     increments.displacement = kedge::View<double* [3]>("displacement", particles.ids().size());
     increments.deformation_gradient = kedge::View<double* [9]>("dF", particles.ids().size());
-    const auto u = Kokkos::create_mirror_view(increments.displacement);
-    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
+    const auto u = copy_to_host(increments.displacement);
+    const auto f = copy_to_host(increments.deformation_gradient);
     for (std::size_t p = 0; p < particles.ids().size(); ++p)
       for (unsigned int d = 0; d < 3; ++d)
       {
@@ -84,7 +84,7 @@ struct Block
                                  std::vector<unsigned char>(3 * nodes.n_local(), 0));
     // horizontal shear and settlement: a good part of the frictional soil yields
     increment = system->make_nodal_vector();
-    const auto u = Kokkos::create_mirror_view(increment);
+    const auto u = copy_to_host(increment);
     for (unsigned int v = 0; v < nodes.n_local(); ++v)
     {
       const auto& x = table.node_position[nodes.mesh_node[v]];
@@ -98,8 +98,8 @@ struct Block
   void report(benchmark::State& state) const
   {
     const auto n = static_cast<std::int64_t>(particles.arrays().n);
-    const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), particles.arrays().trial_plastic);
-    const auto total = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), stencils.value_begin)(n);
+    const auto plastic = copy_to_host(particles.arrays().trial_plastic);
+    const auto total = copy_to_host(stencils.value_begin)(n);
     double yielding = 0.;
     for (std::int64_t p = 0; p < n; ++p)
       yielding += plastic(p) > 0.;

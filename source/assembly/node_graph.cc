@@ -24,8 +24,8 @@ Rows couple_local_nodes(const unsigned int n_nodes, const std::vector<NodeLists>
   for (const NodeLists& coupling : couplings)
   {
     HostLists group;
-    group.begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.begin);
-    group.nodes = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), coupling.nodes);
+    group.begin = copy_to_host(coupling.begin);
+    group.nodes = copy_to_host(coupling.nodes);
     group.node_begin.assign(n_nodes + 1, 0);
     for (std::size_t i = 0; i < group.nodes.extent(0); ++i)
       ++group.node_begin[group.nodes(i) + 1];
@@ -73,15 +73,6 @@ NodeGraph start_graph(const unsigned int dim, const NodeNumbering& numbering)
   return graph;
 }
 
-/// A mirror that is written as a whole.
-HostView<unsigned int*> host_room(const View<unsigned int*>& device)
-{
-  if constexpr (std::is_same_v<HostView<unsigned int*>::memory_space, MemorySpace>)
-    return device;
-  else
-    return HostView<unsigned int*>(Kokkos::view_alloc(device.label(), Kokkos::WithoutInitializing), device.extent(0));
-}
-
 /// Returns the begin of each row.
 std::vector<std::size_t> upload_rows(const Rows& rows, NodeGraph& graph)
 {
@@ -90,7 +81,7 @@ std::vector<std::size_t> upload_rows(const Rows& rows, NodeGraph& graph)
     begin[v + 1] = begin[v] + rows[v].size();
   graph.row_begin = upload(begin, "row begin");
   graph.column = View<unsigned int*>(Kokkos::view_alloc("columns", Kokkos::WithoutInitializing), begin.back());
-  const auto host_column = host_room(graph.column);
+  const auto host_column = make_mirror(graph.column);
   for (unsigned int v = 0; v < graph.n_rows; ++v)
     std::copy(rows[v].begin(), rows[v].end(), host_column.data() + begin[v]);
   Kokkos::deep_copy(graph.column, host_column);
@@ -232,7 +223,7 @@ void send_ghost_rows(const NodeGraph& graph, const View<double*>& values)
   if (n_ranks == 1)
     return;
   const unsigned int block = graph.dim * graph.dim;
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
+  const auto host = copy_to_host(values);
   std::vector<int> send_count(n_ranks), receive_count(n_ranks);
   for (int r = 0; r < n_ranks; ++r)
   {

@@ -313,9 +313,9 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   set.pattern_particles = upload(host.pattern_particles, "pattern particles");
   set.pattern_of_particle = upload(host.pattern_of_particle, "pattern of particle");
   set.value_begin = upload(host.value_begin, "value begin");
-  set.value = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.value);
-  set.gradient = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.gradient);
-  set.volume_factor = Kokkos::create_mirror_view_and_copy(MemorySpace(), host.volume_factor);
+  set.value = copy_to_device<double>(host.value);
+  set.gradient = copy_to_device<double>(host.gradient);
+  set.volume_factor = copy_to_device<double>(host.volume_factor);
   return set;
 }
 

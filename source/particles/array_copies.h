@@ -83,7 +83,7 @@ inline auto host_copies(const ParticleArrays& arrays, const bool with_values)
         {
           const auto& array = arrays.*f.array;
           using Array = std::decay_t<decltype(array)>;
-          const auto values = Kokkos::create_mirror_view(array);
+          const auto values = make_mirror(array);
           if (with_values && f.on_commit != OnCommit::nothing)
             Kokkos::deep_copy(values, array);
           return HostCopy<Array>{f, values};

@@ -81,7 +81,7 @@ View<double* [3]> BodyForce<dim>::evaluate(const ParticleSet<dim>& particles, co
   const auto& present = particles.positions();
   const auto initial = particles.initial_positions();
   const View<double* [3]> result("body force", present.size());
-  const auto values = Kokkos::create_mirror_view(result);
+  const auto values = make_mirror(result);
   FiniteValues<dim> finite;
   std::array<double, 2 * dim + 1> variables;
   variables[2 * dim] = time;

@@ -102,8 +102,8 @@ template <int dim> void ParticleSet<dim>::fill(Mirror& into) const
   into.id.resize(n);
 
   const auto copies = host_copies(arrays, false);
-  const auto b = Kokkos::create_mirror_view(arrays.elastic_left_cauchy_green);
-  const auto cell_size = Kokkos::create_mirror_view(arrays.cell_size);
+  const auto b = make_mirror(arrays.elastic_left_cauchy_green);
+  const auto cell_size = make_mirror(arrays.cell_size);
   for (std::size_t p = 0; p < n; ++p)
   {
     const auto& particle = into.order[p].particle;
@@ -154,11 +154,10 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   if (!is_fresh())
     throw std::logic_error("particles changed between the solution of a step and its commit");
   const std::vector<Place>& order = mirror.order;
-  const auto displacement = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.displacement);
-  const auto dF = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.deformation_gradient);
-  const auto velocity_change =
-      Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.velocity_change);
-  const auto acceleration = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increments.motion.acceleration);
+  const auto displacement = copy_to_host(increments.displacement);
+  const auto dF = copy_to_host(increments.deformation_gradient);
+  const auto velocity_change = copy_to_host(increments.motion.velocity_change);
+  const auto acceleration = copy_to_host(increments.motion.acceleration);
   const bool moves = increments.motion.acceleration.extent(0) > 0;
   const auto copies = host_copies(mirror.arrays, true);
 

@@ -1,8 +1,8 @@
-#include <Kokkos_Core.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstring>
 #include <fmt/format.h>
+#include <kedge/base/kokkos.h>
 #include <kedge/replay/kernel_profile.h>
 #include <vector>
 
@@ -53,12 +53,21 @@ void end_kernel(std::uint64_t)
   recording().open.pop_back();
 }
 
+/// Of host memory: a mirror or, without a label, a vector.
+bool is_hosts(const std::string& label)
+{
+  const std::string suffix = mirror_suffix;
+  return label.empty() ||
+         (label.size() > suffix.size() && label.compare(label.size() - suffix.size(), suffix.size(), suffix) == 0);
+}
+
 void begin_copy(Kokkos_Profiling_SpaceHandle to, const char* label, const void*, Kokkos_Profiling_SpaceHandle from,
                 const char* from_label, const void*, const std::uint64_t bytes)
 {
   Recording& at = recording();
   const bool is_fill = std::strcmp(from_label, "Scalar") == 0; // by one number, which is all that crosses
-  if (is_fill || std::strcmp(to.name, from.name) == 0)
+  const bool stays = mirrors_apart() ? is_hosts(label) == is_hosts(from_label) : std::strcmp(to.name, from.name) == 0;
+  if (is_fill || stays)
     return;
   at.copy = &at.profile.copies[fmt::format("{} to {}: {} to {}", from.name, to.name, from_label, label)];
   at.copy->bytes += static_cast<double>(bytes);

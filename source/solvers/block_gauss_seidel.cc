@@ -158,7 +158,7 @@ void BlockGaussSeidel::set_order(const SweepOrder kind)
     KokkosGraph::Experimental::graph_color(&handle, n, static_cast<int>(blocks.n_columns), blocks.row_begin,
                                            blocks.column);
     const auto of_nodes = handle.get_graph_coloring_handle()->get_vertex_colors(); // from 1 on
-    const auto on_host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), of_nodes);
+    const auto on_host = copy_to_host(of_nodes);
     for (int v = 0; v < n; ++v)
       colour[v] = static_cast<int>(on_host(v)) - 1;
     handle.destroy_graph_coloring_handle();

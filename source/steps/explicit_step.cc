@@ -48,9 +48,9 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
   mass = View<double*>("lumped mass", basis.nodes.n_local());
   add_lumped_mass(particles, basis.stencils, share, mass);
   node_exchange.sum_over_ranks(mass);
-  const auto host_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
+  const auto host_mass = copy_to_host(mass);
   inertia = exchange.make_nodal_vector();
-  const auto host_inertia = Kokkos::create_mirror_view(inertia);
+  const auto host_inertia = make_mirror(inertia);
   const std::vector<unsigned char> held = find_constrained_dofs(context, basis.nodes);
   for (std::size_t v = 0; v < host_mass.extent(0); ++v)
   {
@@ -78,14 +78,14 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
   const PointForces& points = context.soil.contact().points_of_last_evaluation();
   const std::vector<double> stiffness = context.soil.contact().point_stiffness();
   const View<double*> rate("contact stiffness", basis.nodes.n_local());
-  const auto host = Kokkos::create_mirror_view(rate);
+  const auto host = copy_to_host(rate);
   for (std::size_t i = 0; i < points.n_points(); ++i)
     for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
       host(points.nodes[v]) += stiffness[i] * points.weights[v];
   Kokkos::deep_copy(rate, host);
   node_exchange.sum_over_ranks(rate);
   Kokkos::deep_copy(host, rate);
-  const auto node_mass = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mass);
+  const auto node_mass = copy_to_host(mass);
   double largest = 0.;
   for (std::size_t i = 0; i < points.n_points(); ++i)
   {
@@ -199,7 +199,7 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
   if (motion)
   {
     body_increments = motion->increments();
-    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), increment);
+    const auto host = copy_to_host(increment);
     const PointForces& points =
         context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim);
     add_point_forces(dim, gather_acting(points), -1., force);
@@ -248,7 +248,7 @@ template <int dim> void ExplicitStep<dim>::drift(const double time)
 template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
 {
   const View<double* [3]> displacement = interpolate_to_particles(basis.stencils, increment);
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), displacement);
+  const auto host = copy_to_host(displacement);
   const LeafTable<dim>& table = context.soil.mesh().leaves();
   double largest = 0.;
   for (std::size_t p = 0; p < host.extent(0); ++p)

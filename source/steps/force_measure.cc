@@ -38,7 +38,7 @@ ForceMeasure::ForceMeasure(const unsigned int dim_, const MPI_Comm communicator_
       area("area of nodes", cell_sizes.size()),
       scale("scale of forces", cell_sizes.size())
 {
-  const auto host = Kokkos::create_mirror_view(area);
+  const auto host = make_mirror(area);
   for (std::size_t v = 0; v < cell_sizes.size(); ++v)
     host(v) = std::pow(cell_sizes[v], dim - 1.);
   Kokkos::deep_copy(area, host);
@@ -83,7 +83,7 @@ WorstNode ForceMeasure::worst(const TpetraVector& residual) const
   here.share = -1.;
   if (!is_zero())
   {
-    const auto share = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), shares(dim, residual, scale));
+    const auto share = copy_to_host(shares(dim, residual, scale));
     for (std::size_t v = 0; v < share.extent(0); ++v)
       if (share(v) > here.share)
       {

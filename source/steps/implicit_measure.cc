@@ -93,7 +93,7 @@ template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
   const ParticleSet<dim>& particles = context.soil.particles();
   const ParticleArrays& arrays = particles.arrays();
   const std::vector<double> volume = download(arrays.initial_volume), plastic = download(arrays.trial_plastic);
-  const auto stress = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), arrays.trial_stress);
+  const auto stress = copy_to_host(arrays.trial_stress);
   const double least = next_to_no_stress * force_measure.least_stress();
   double filled = 0., points = 0., yielding = 0., unstressed = 0.;
   for (std::size_t p = 0; p < volume.size(); ++p)

@@ -260,7 +260,7 @@ template <int dim> std::optional<NewtonStart> ImplicitStep<dim>::choose_start(co
 /// The solution as a guess for the next step.
 template <int dim> Prediction ImplicitStep<dim>::predict_next() const
 {
-  const auto local = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
+  const auto local = copy_to_host(local_increment);
   std::vector<double> prediction(dim * context.soil.mesh().leaves().node_ids.size(), 0.);
   for (unsigned int v = 0; v < basis.nodes.n_local(); ++v)
     for (unsigned int d = 0; d < dim; ++d)
@@ -292,7 +292,7 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   add_given_forces(force);
   if (context.stage.rigid_bodies)
   {
-    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local_increment);
+    const auto host = copy_to_host(local_increment);
     acting_points = gather_acting(
         context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim));
     add_point_forces(dim, acting_points, -1., force);

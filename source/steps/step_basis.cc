@@ -40,7 +40,7 @@ template <int dim> std::vector<double> find_travel(const StepContext<dim>& conte
   std::vector<double> travel(particles.ids().size(), 0.);
   if (context.stage.stepping.type != StageType::static_)
   {
-    const auto velocity = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), particles.arrays().velocity);
+    const auto velocity = copy_to_host(particles.arrays().velocity);
     for (std::size_t p = 0; p < travel.size(); ++p)
       travel[p] = std::hypot(velocity(p, 0), velocity(p, 1), velocity(p, 2)) * step_length(context.stage.stepping);
     return travel;

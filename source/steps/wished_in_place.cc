@@ -17,7 +17,7 @@ template <int dim> void replace_soil(const StepContext<dim>& context, const Step
   add_weight<dim>(particles, basis.stencils, context.gravity, -1., force);
   exchange.sum_over_ranks(force);
 
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), force);
+  const auto host = copy_to_host(force);
   std::vector<double> missing(host.data(), host.data() + host.extent(0));
   const std::vector<unsigned char> held = find_constrained_dofs(context, basis.nodes);
   for (std::size_t i = 0; i < missing.size(); ++i)
@@ -27,7 +27,7 @@ template <int dim> void replace_soil(const StepContext<dim>& context, const Step
                           [&](std::vector<double>& values)
                           {
                             const NodalVector sum = exchange.make_nodal_vector();
-                            const auto copy = Kokkos::create_mirror_view(sum);
+                            const auto copy = copy_to_host(sum);
                             std::copy(values.begin(), values.end(), copy.data());
                             Kokkos::deep_copy(sum, copy);
                             exchange.sum_over_ranks(sum);

@@ -5,8 +5,5 @@
 namespace kedge::test
 {
 /// What a view on the device holds, for tests to look at.
-template <typename DeviceView> auto on_host(const DeviceView& view)
-{
-  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-}
+template <typename DeviceView> auto on_host(const DeviceView& view) { return copy_to_host(view); }
 } // namespace kedge::test

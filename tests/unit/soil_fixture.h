@@ -37,8 +37,8 @@ ParticleIncrements increments_of(const ParticleSet<dim>& particles, const Displa
   ParticleIncrements result;
   result.displacement = kedge::View<double* [3]>("displacement", ids.size());
   result.deformation_gradient = kedge::View<double* [9]>("dF", ids.size());
-  const auto u = Kokkos::create_mirror_view(result.displacement);
-  const auto f = Kokkos::create_mirror_view(result.deformation_gradient);
+  const auto u = copy_to_host(result.displacement);
+  const auto f = copy_to_host(result.deformation_gradient);
   for (std::size_t p = 0; p < ids.size(); ++p)
     for (unsigned int d = 0; d < 3; ++d)
     {

@@ -74,7 +74,7 @@ public:
     std::vector<Number> rows;
     if (header_is_written)
     {
-      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+      const auto host = copy_to_host(view);
       rows.resize(n * width);
       for (std::size_t i = 0; i < rows.size(); ++i)
         rows[i] = internal::entry_of(host, i / width, i % width);
@@ -122,7 +122,7 @@ public:
     std::vector<Number> rows(bytes_of(name, internal::tensor_type<Number>(), width * sizeof(Number)) / sizeof(Number));
     read(name, rows.data());
     view = Array(std::string(name), rows.size() / width);
-    const auto host = Kokkos::create_mirror_view(view);
+    const auto host = make_mirror(view);
     for (std::size_t i = 0; i < rows.size(); ++i)
       internal::entry_of(host, i / width, i % width) = rows[i];
     Kokkos::deep_copy(view, host);

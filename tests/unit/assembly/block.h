@@ -77,7 +77,7 @@ template <int dim> struct Discretisation
   NodalVector nodal(const Field& field) const
   {
     NodalVector vector("nodal vector", dim * nodes.n_local());
-    const auto host = Kokkos::create_mirror_view(vector);
+    const auto host = make_mirror(vector);
     for (unsigned int v = 0; v < nodes.n_local(); ++v)
       for (unsigned int d = 0; d < dim; ++d)
         host(dim * v + d) = field(position[v], d);

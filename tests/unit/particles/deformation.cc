@@ -18,7 +18,7 @@ public:
   {
     ParticleIncrements increments =
         test::increments_of(block.particles, [](long long, const unsigned int) { return 0.; });
-    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
+    const auto f = make_mirror(increments.deformation_gradient);
     for (std::size_t p = 0; p < f.extent(0); ++p)
       for (unsigned int i = 0; i < 9; ++i)
         f(p, i) = dF(i / 3, i % 3);

@@ -33,8 +33,8 @@ public:
     ParticleIncrements increments;
     increments.displacement = kedge::View<double* [3]>("displacement", n);
     increments.deformation_gradient = kedge::View<double* [9]>("dF", n);
-    const auto u = Kokkos::create_mirror_view(increments.displacement);
-    const auto f = Kokkos::create_mirror_view(increments.deformation_gradient);
+    const auto u = copy_to_host(increments.displacement);
+    const auto f = copy_to_host(increments.deformation_gradient);
     for (std::size_t p = 0; p < n; ++p)
     {
       u(p, dim - 1) = -1e-3;

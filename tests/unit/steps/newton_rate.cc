@@ -67,7 +67,7 @@ struct Footing : test::StepFixture<3>
 
   long long count_yielding() const
   {
-    const auto plastic = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), particles.arrays().trial_plastic);
+    const auto plastic = copy_to_host(particles.arrays().trial_plastic);
     long long n = 0;
     for (std::size_t p = 0; p < plastic.extent(0); ++p)
       n += plastic(p) > 1e-8;
