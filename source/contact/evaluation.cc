@@ -34,6 +34,21 @@ Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
   }
   return closest.normal * closest.normal.transpose();
 }
+
+/// Of nodal vectors at a point, in the world's axes. Evaluations call this for every pair, so sums stay in
+/// registers.
+template <int dim>
+inline Eigen::Vector3d weighted_sum(const PointForces& points, const std::vector<double>& nodal, const unsigned int at)
+{
+  double sum[dim] = {};
+  for (unsigned int v = points.begin[at]; v < points.begin[at + 1]; ++v)
+    for (int d = 0; d < dim; ++d)
+      sum[d] += points.weights[v] * nodal[dim * points.nodes[v] + d];
+  Eigen::Vector3d u = Eigen::Vector3d::Zero();
+  for (int d = 0; d < dim; ++d)
+    u[world_axis(dim, d)] = sum[d];
+  return u;
+}
 } // namespace
 
 template <int dim>
@@ -44,13 +59,9 @@ Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm commu
 
 template <int dim> Eigen::Vector3d Contact<dim>::corner_displacement(const unsigned int point) const
 {
-  Eigen::Vector3d u = Eigen::Vector3d::Zero();
   if (nodal_increment.empty()) // nothing is evaluated yet
-    return u;
-  for (unsigned int v = points.begin[point]; v < points.begin[point + 1]; ++v)
-    for (unsigned int d = 0; d < dim; ++d)
-      u[world_axis(dim, d)] += points.weights[v] * nodal_increment[dim * points.nodes[v] + d];
-  return u;
+    return Eigen::Vector3d::Zero();
+  return weighted_sum<dim>(points, nodal_increment, point);
 }
 
 /// By surface.
@@ -84,15 +95,20 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     moved.push_back(committed.points[i].pose.moved(increments[i]));
 
   const std::vector<Approach> approaches = find_approaches(committed, moved);
-  std::fill(points.force.begin(), points.force.end(), 0.);
-  std::fill(points.tangent.begin(), points.tangent.end(), 0.);
+  for (const unsigned int point : acting)
+  {
+    std::fill_n(&points.force[3 * point], 3, 0.);
+    std::fill_n(&points.tangent[9 * point], 9, 0.);
+  }
+  acting.clear();
   touching.clear();
   for (std::size_t k = 0; k < pairs.size(); ++k)
   {
     Rest& rest = rests[k];
-    const Eigen::Vector3d displacement = corner_displacement(rest.point);
     const Approach& approach = approaches[rest.surface];
-    if (rest.asleep && displacement.norm() + approach.shift + approach.turn * rest.lever < rest.clearance)
+    const double left = rest.clearance - approach.shift - approach.turn * rest.lever;
+    const Eigen::Vector3d displacement = weighted_sum<dim>(points, nodal_increment, rest.point);
+    if (rest.asleep && displacement.norm() < left)
       continue; // as its last response has left it: it touches nothing
     Pair& pair = pairs[k];
     const WeldedSurface& welded = committed.surfaces[pair.key.surface];
@@ -101,6 +117,7 @@ const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const s
     put_to_rest(pair, welded.surface, moved[welded.point], rest);
     if (!pair.active)
       continue;
+    acting.push_back(pair.point);
     touching.push_back({pair.position, pair.force, pair.key.surface});
     for (unsigned int i = 0; i < dim; ++i)
     {

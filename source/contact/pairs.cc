@@ -122,6 +122,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   nodal_increment.clear();
   touching.clear();
   points = PointForces();
+  acting.clear();
   waiting = history;
   // what is found inside a body for the first time has come there with its box, between two steps
   const bool contact_goes_on = sum_over_ranks(static_cast<long long>(history.size()), communicator) > 0;

@@ -236,6 +236,7 @@ private:
   std::vector<Rest> rests;             ///< by pair
   std::vector<double> nodal_increment; ///< of the last evaluation, m
   PointForces points;
+  std::vector<unsigned int> acting; ///< points on which the last evaluation has left forces, with repetitions
   std::map<Key, History> history;
   std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them
   std::map<Key, History> waiting;   ///< that of particles that the last search did not see: outside the window
