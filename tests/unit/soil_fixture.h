@@ -2,7 +2,6 @@
 #pragma once
 
 #include "mesh/refined_mesh.h"
-#include "on_host.h"
 #include <kedge/soil/soil.h>
 
 namespace kedge::test

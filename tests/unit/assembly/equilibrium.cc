@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {

@@ -5,7 +5,6 @@
 #include <numeric>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -31,7 +30,7 @@ public:
                                               system->spread(part), path, force, cells),
                 0u);
     }
-    const auto host = on_host(force);
+    const auto host = copy_to_host(force);
     return {host.data(), host.data() + host.extent(0)};
   }
 
@@ -63,7 +62,7 @@ TYPED_TEST(ExplicitForce, OneIncrementIsThatOfTheImplicitStep)
     const TpetraVector whole = block.parts->owned(*system, test::Block<dim>::random_field(strain, 5));
     update_stress_and_force<dim>(block.particles.arrays(), block.parts->stencils, block.materials,
                                  system->spread(whole), force, cells);
-    const auto host = on_host(force);
+    const auto host = copy_to_host(force);
     const std::vector<double> expected(host.data(), host.data() + host.extent(0));
     return this->difference(this->follow(block, {1.}, cells, strain), expected);
   };
@@ -82,10 +81,10 @@ TYPED_TEST(ExplicitForce, OneIncrementLeavesTheStateOfTheImplicitStep)
                                system->make_nodal_vector());
   std::vector<double> expected(arrays.n);
   for (std::size_t p = 0; p < arrays.n; ++p)
-    expected[p] = on_host(arrays.trial_state)(p, 0);
+    expected[p] = copy_to_host(arrays.trial_state)(p, 0);
   EXPECT_GT(*std::max_element(expected.begin(), expected.end()), 1e-4);
   this->follow(block, {1.}, {});
-  const auto found = on_host(arrays.trial_state);
+  const auto found = copy_to_host(arrays.trial_state);
   for (std::size_t p = 0; p < arrays.n; ++p)
     ASSERT_NEAR(found(p, 0), expected[p], 1e-12);
 }
@@ -97,7 +96,7 @@ TYPED_TEST(ExplicitForce, TheStateFollowsThePath)
   const auto states = [&](const std::vector<double>& shares)
   {
     this->follow(block, shares, {});
-    const auto state = on_host(block.particles.arrays().trial_state);
+    const auto state = copy_to_host(block.particles.arrays().trial_state);
     std::vector<double> first(block.particles.arrays().n);
     for (std::size_t p = 0; p < first.size(); ++p)
       first[p] = state(p, 0);
@@ -133,7 +132,7 @@ TYPED_TEST(ExplicitForce, LumpedMassIsThatOfTheSoil)
   const test::Block<TypeParam::value> block(test::soil_material<Elastic>());
   const auto sum = [](const kedge::View<double*>& view)
   {
-    const auto host = on_host(view);
+    const auto host = copy_to_host(view);
     double total = 0.;
     for (std::size_t i = 0; i < host.extent(0); ++i)
       total += host(i);

@@ -4,7 +4,6 @@
 #include <kedge/basis/ghost_faces.h>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -69,7 +68,7 @@ template <int dim> struct StabilisedBlock
     add_ghost_matrix<dim>(faces, linearise_ghost<dim>(faces, x), system->graph(), system->values());
     system->finish_matrix();
     TpetraVector owned(system->graph().row_map), product(system->graph().row_map);
-    const auto from = on_host(y);
+    const auto from = copy_to_host(y);
     auto to = owned.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (unsigned int i = 0; i < dim * nodes.n_owned; ++i)
       to(i, 0) = from(i);
@@ -142,8 +141,8 @@ TYPED_TEST(GhostStabilisation, OfTheMassWeighsTheJumps)
   const auto x = [](const unsigned int node) { return test::noise(node, 5) - 0.5; };
   double energy = 0., expected = 0.;
   for (unsigned int a = 0; a < serial.nodes.n_local(); ++a)
-    for (std::size_t entry = on_host(graph.row_begin)(a); entry < on_host(graph.row_begin)(a + 1); ++entry)
-      energy += x(a) * on_host(mass)(entry) * x(on_host(graph.column)(entry));
+    for (std::size_t entry = copy_to_host(graph.row_begin)(a); entry < copy_to_host(graph.row_begin)(a + 1); ++entry)
+      energy += x(a) * copy_to_host(mass)(entry) * x(copy_to_host(graph.column)(entry));
   const std::vector<unsigned int> begin = download(faces.node_begin), nodes = download(faces.nodes);
   const std::vector<std::size_t> value_begin = download(faces.value_begin);
   const std::vector<double> J = download(faces.value), weight = download(faces.mass);
@@ -159,7 +158,7 @@ TYPED_TEST(GhostStabilisation, LeavesLinearFieldsAlone)
   const auto largest = [this](const auto& field)
   {
     double result = 0.;
-    const auto force = on_host(this->parts.force(this->parts.nodal(field)));
+    const auto force = copy_to_host(this->parts.force(this->parts.nodal(field)));
     for (std::size_t i = 0; i < force.extent(0); ++i)
       result = std::max(result, std::abs(force(i)));
     return max_over_ranks(result, MPI_COMM_WORLD);
@@ -175,7 +174,7 @@ TYPED_TEST(GhostStabilisation, IsThatOfOneRank)
   const auto energy = [&field](const StabilisedBlock<dim>& parts)
   {
     const NodalVector x = parts.nodal(field);
-    const auto displacement = on_host(x), force = on_host(parts.force(x));
+    const auto displacement = copy_to_host(x), force = copy_to_host(parts.force(x));
     double sum = 0.;
     // The system's vector may be longer: nodes that only other ranks' faces couple come last in it.
     for (std::size_t i = 0; i < displacement.extent(0); ++i)

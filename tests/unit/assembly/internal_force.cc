@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -100,7 +99,7 @@ TYPED_TEST(InternalForce, IsThatOfOneRank)
   const NodalVector force("force", dim * serial.parts->nodes.n_local());
   update_stress_and_force<dim>(serial.particles.arrays(), serial.parts->stencils, serial.materials,
                                serial.parts->nodal(increment), force);
-  const auto expected = on_host(force);
+  const auto expected = copy_to_host(force);
   std::map<std::array<long long, dim>, unsigned int> node_at;
   const auto place = [](const std::array<double, dim>& x)
   {
@@ -129,7 +128,7 @@ TYPED_TEST(InternalForce, WeightSumsToTheMassTimesGravity)
   constexpr int dim = TypeParam::value;
   const NodalVector weight = this->system->make_nodal_vector();
   add_weight<dim>(this->block.particles.arrays(), this->block.parts->stencils, {{1., 2., 3.}}, 0.5, weight);
-  const auto host = on_host(weight);
+  const auto host = copy_to_host(weight);
   double volume = 1.;
   for (unsigned int d = 0; d < dim; ++d)
     volume *= this->block.layout().soil_extent[d];
@@ -155,8 +154,8 @@ TYPED_TEST(InternalForce, IncrementsOfALinearFieldAreExact)
   };
   const ParticleIncrements increments = interpolate_increments<dim>(
       this->block.particles.arrays(), this->block.parts->stencils, this->block.parts->nodal(linear));
-  const auto f = on_host(increments.deformation_gradient);
-  const auto u = on_host(increments.displacement);
+  const auto f = copy_to_host(increments.deformation_gradient);
+  const auto u = copy_to_host(increments.displacement);
   for (std::size_t p = 0; p < this->block.particles.ids().size(); ++p)
   {
     bool inside = true;

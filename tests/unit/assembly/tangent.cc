@@ -7,7 +7,6 @@
 #include <kedge/solvers/linear_solver.h>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -64,8 +63,8 @@ public:
 
   std::array<long long, 2> count_plastic_and_tensile() const
   {
-    const auto plastic = on_host(block->particles.arrays().trial_plastic);
-    const auto stress = on_host(block->particles.arrays().trial_stress);
+    const auto plastic = copy_to_host(block->particles.arrays().trial_plastic);
+    const auto stress = copy_to_host(block->particles.arrays().trial_stress);
     long long n_plastic = 0, n_tensile = 0;
     for (std::size_t p = 0; p < plastic.extent(0); ++p)
     {
@@ -153,15 +152,15 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
   const TpetraVector product = this->times(this->block->parts->owned(*this->system, direction));
 
   const test::Block<dim> serial(test::soil_material<MohrCoulomb>(), MPI_COMM_SELF);
-  const auto deformation = on_host(
+  const auto deformation = copy_to_host(
       interpolate_increments<dim>(serial.particles.arrays(), serial.parts->stencils, serial.parts->nodal(increment))
           .deformation_gradient);
-  const auto strain = on_host(
+  const auto strain = copy_to_host(
       interpolate_increments<dim>(serial.particles.arrays(), serial.parts->stencils, serial.parts->nodal(direction))
           .deformation_gradient);
   const ParticleArrays& arrays = serial.particles.arrays();
-  const auto b = on_host(arrays.elastic_left_cauchy_green);
-  const auto volume = on_host(arrays.initial_volume), young = on_host(arrays.young);
+  const auto b = copy_to_host(arrays.elastic_left_cauchy_green);
+  const auto volume = copy_to_host(arrays.initial_volume), young = copy_to_host(arrays.young);
   std::vector<double> expected(dim * serial.mesh.leaves().node_ids.size(), 0.);
   for (std::size_t p = 0; p < arrays.n; ++p)
   {
@@ -175,7 +174,7 @@ TYPED_TEST(TangentMatrix, IsThatOfOneRank)
     for (int i = 0; i < 6; ++i)
       left[i] = b(p, i);
     SpatialTangent tangent;
-    update_stress(dF, left, {young(p), test::Block<dim>::cell, nullptr}, on_host(serial.materials)(0), nullptr,
+    update_stress(dF, left, {young(p), test::Block<dim>::cell, nullptr}, copy_to_host(serial.materials)(0), nullptr,
                   tangent);
     const Eigen::Matrix3d spatial = change * dF.inverse();
     Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
@@ -273,7 +272,7 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   // one spring at a place inside the first particle's pattern: force = -k (weighted displacement)
   constexpr int dim = TypeParam::value;
   this->use(test::soil_material<Elastic>());
-  const auto nodes = on_host(this->block->parts->stencils.pattern_nodes);
+  const auto nodes = copy_to_host(this->block->parts->stencils.pattern_nodes);
   PointForces points;
   points.nodes = {nodes(0), nodes(1), nodes(2)};
   points.weights = {0.5, 0.3, 0.2};
@@ -289,7 +288,7 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
 
   const auto field = this->block->random_field(1., 3);
   const NodalVector local = this->system->spread(this->block->parts->owned(*this->system, field));
-  const auto d = on_host(local);
+  const auto d = copy_to_host(local);
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int j = 0; j < dim; ++j)
       for (unsigned int v = 0; v < 3; ++v)
@@ -301,7 +300,7 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   expected.update(-1., this->times(this->block->parts->owned(*this->system, field)), 1.);
   EXPECT_LT(expected.normInf(), 1e-13);
   double sum = 0.;
-  for (std::size_t v = 0; v < on_host(force).extent(0) / dim; ++v)
-    sum += on_host(force)(dim * v);
+  for (std::size_t v = 0; v < copy_to_host(force).extent(0) / dim; ++v)
+    sum += copy_to_host(force)(dim * v);
   EXPECT_NEAR(sum, -points.force[0], 1e-13);
 }

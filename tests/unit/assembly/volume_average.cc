@@ -5,7 +5,6 @@
 #include <kedge/assembly/volume_average.h>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -95,7 +94,7 @@ TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
   const CellGroups& cells = this->block.parts->cells;
   const auto mean_stresses = [&]
   {
-    const auto stress = on_host(arrays.trial_stress);
+    const auto stress = copy_to_host(arrays.trial_stress);
     std::vector<double> mean(stress.extent(0));
     for (std::size_t p = 0; p < mean.size(); ++p)
       for (int d = 0; d < dim; ++d)
@@ -104,7 +103,7 @@ TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
   };
   const auto determinants = [&](const typename test::Discretisation<dim>::Field& field, const CellGroups& groups)
   {
-    const auto f = on_host(
+    const auto f = copy_to_host(
         interpolate_increments<dim>(arrays, this->block.parts->stencils, this->block.parts->nodal(field), groups)
             .deformation_gradient);
     std::vector<double> J;
@@ -118,8 +117,8 @@ TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
     }
     return J;
   };
-  const auto committed = on_host(arrays.elastic_left_cauchy_green);
-  const auto young = on_host(arrays.young);
+  const auto committed = copy_to_host(arrays.elastic_left_cauchy_green);
+  const auto young = copy_to_host(arrays.young);
   std::vector<double> start(committed.extent(0));
   for (std::size_t p = 0; p < start.size(); ++p)
   {
@@ -127,7 +126,7 @@ TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
     for (int i = 0; i < 6; ++i)
       b[i] = committed(p, i);
     const SymmetricTensor strain = logarithmic_strain(b);
-    const HenckyElasticity elasticity = on_host(this->block.materials)(0).elasticity(young(p));
+    const HenckyElasticity elasticity = copy_to_host(this->block.materials)(0).elasticity(young(p));
     start[p] = elasticity.lame * (strain[0] + strain[1] + strain[2]);
     for (int d = 0; d < dim; ++d)
       start[p] += 2. * elasticity.shear / dim * strain[d];
@@ -136,9 +135,10 @@ TYPED_TEST(FBar, BringsTheParticlesOfACellToOnePressureAndKeepsItsVolume)
   this->update(field);
   const auto end = mean_stresses();
   const auto own = determinants(field, {}), shared = determinants(field, cells);
-  const auto volume = on_host(arrays.initial_volume), factor = on_host(this->block.parts->stencils.volume_factor);
-  const auto begin = on_host(cells.particle_begin);
-  const auto springs = on_host(cells.spring);
+  const auto volume = copy_to_host(arrays.initial_volume),
+             factor = copy_to_host(this->block.parts->stencils.volume_factor);
+  const auto begin = copy_to_host(cells.particle_begin);
+  const auto springs = copy_to_host(cells.spring);
   double spread = 0., start_spread = 0.;
   for (std::size_t c = 0; c < cells.n_cells(); ++c)
   {
@@ -177,7 +177,7 @@ TYPED_TEST(FBar, SharesTheVolumeChangeInExplicitSteps)
                                           this->system->make_nodal_vector(), cells),
             0u);
   const auto f =
-      on_host(interpolate_increments<dim>(arrays, this->block.parts->stencils, field, cells).deformation_gradient);
+      copy_to_host(interpolate_increments<dim>(arrays, this->block.parts->stencils, field, cells).deformation_gradient);
   const auto determinant_of = [&](const std::size_t p)
   {
     Eigen::Matrix3d dF;
@@ -185,7 +185,7 @@ TYPED_TEST(FBar, SharesTheVolumeChangeInExplicitSteps)
       dF(i / 3, i % 3) = f(p, i);
     return determinant(dF);
   };
-  const auto begin = on_host(cells.particle_begin);
+  const auto begin = copy_to_host(cells.particle_begin);
   for (std::size_t c = 0; c < cells.n_cells(); ++c)
     for (unsigned int p = begin(c); p < begin(c + 1); ++p)
       ASSERT_NEAR(determinant_of(p), determinant_of(begin(c)), 1e-13);

@@ -1,5 +1,4 @@
 #include "../mesh/refined_mesh.h"
-#include "../on_host.h"
 #include "box_average.h"
 #include <algorithm>
 #include <gtest/gtest.h>
@@ -11,7 +10,6 @@
 #include <set>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -61,11 +59,11 @@ public:
   /// What particle p of the uploaded stencils sees: gradient and value by the leaf table's node number.
   Shares shares_of(const StencilSet& set, const unsigned int p) const
   {
-    const unsigned int pattern = on_host(set.pattern_of_particle)(p);
-    const auto begin = on_host(set.pattern_node_begin);
-    const auto nodes = on_host(set.pattern_nodes);
-    const auto value = on_host(set.value), gradient = on_host(set.gradient);
-    std::size_t entry = on_host(set.value_begin)(p);
+    const unsigned int pattern = copy_to_host(set.pattern_of_particle)(p);
+    const auto begin = copy_to_host(set.pattern_node_begin);
+    const auto nodes = copy_to_host(set.pattern_nodes);
+    const auto value = copy_to_host(set.value), gradient = copy_to_host(set.gradient);
+    std::size_t entry = copy_to_host(set.value_begin)(p);
     Shares shares;
     for (unsigned int i = begin(pattern); i < begin(pattern + 1); ++i, ++entry)
     {
@@ -126,8 +124,8 @@ TYPED_TEST(Stencils, OfThePointBasisAreTheShapeFunctionsAtTheCentre)
 TYPED_TEST(Stencils, SortTheNodesOfEveryPattern)
 {
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
-  const auto begin = on_host(set.pattern_node_begin);
-  const auto nodes = on_host(set.pattern_nodes);
+  const auto begin = copy_to_host(set.pattern_node_begin);
+  const auto nodes = copy_to_host(set.pattern_nodes);
   for (std::size_t k = 0; k < set.n_patterns; ++k)
   {
     ASSERT_TRUE(std::is_sorted(nodes.data() + begin(k), nodes.data() + begin(k + 1)));
@@ -140,9 +138,9 @@ TYPED_TEST(Stencils, GroupTheParticlesOfACellWithAllTheNodesThatTheySee)
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
   const unsigned int n_leaves = *std::max_element(this->leaf.begin(), this->leaf.end()) + 1;
   const CellGroups cells = group_by_cell(set, this->leaf, std::vector<unsigned char>(n_leaves, 1));
-  const auto particle_begin = on_host(cells.particle_begin), node_begin = on_host(cells.node_begin);
-  const auto nodes = on_host(cells.nodes), pattern_of = on_host(set.pattern_of_particle);
-  const auto pattern_begin = on_host(set.pattern_node_begin), pattern_nodes = on_host(set.pattern_nodes);
+  const auto particle_begin = copy_to_host(cells.particle_begin), node_begin = copy_to_host(cells.node_begin);
+  const auto nodes = copy_to_host(cells.nodes), pattern_of = copy_to_host(set.pattern_of_particle);
+  const auto pattern_begin = copy_to_host(set.pattern_node_begin), pattern_nodes = copy_to_host(set.pattern_nodes);
   EXPECT_EQ(cells.n_cells(), std::set<unsigned int>(this->leaf.begin(), this->leaf.end()).size());
   EXPECT_EQ(particle_begin(cells.n_cells()), this->leaf.size());
   for (std::size_t c = 0; c < cells.n_cells(); ++c)
@@ -166,7 +164,7 @@ TYPED_TEST(Stencils, FormOneGroupPerParticleInACellThatIsNotFull)
   const unsigned int open = this->leaf[this->leaf.size() / 2];
   is_full[open] = 0;
   const CellGroups cells = group_by_cell(set, this->leaf, is_full);
-  const auto particle_begin = on_host(cells.particle_begin);
+  const auto particle_begin = copy_to_host(cells.particle_begin);
   const auto n_open = std::count(this->leaf.begin(), this->leaf.end(), open);
   ASSERT_GT(n_open, 1);
   EXPECT_EQ(cells.n_cells(), std::set<unsigned int>(this->leaf.begin(), this->leaf.end()).size() + n_open - 1);
@@ -180,8 +178,8 @@ TYPED_TEST(Stencils, FormOneGroupPerParticleInACellThatIsNotFull)
 TYPED_TEST(Stencils, ListEachParticleOnceUnderItsPattern)
 {
   const StencilSet set = upload_stencils<TypeParam::value>(this->build(), this->renumbering());
-  const auto begin = on_host(set.pattern_particle_begin), particles = on_host(set.pattern_particles);
-  const auto pattern_of = on_host(set.pattern_of_particle);
+  const auto begin = copy_to_host(set.pattern_particle_begin), particles = copy_to_host(set.pattern_particles);
+  const auto pattern_of = copy_to_host(set.pattern_of_particle);
   std::set<unsigned int> seen;
   for (std::size_t k = 0; k < set.n_patterns; ++k)
     for (unsigned int i = begin(k); i < begin(k + 1); ++i)

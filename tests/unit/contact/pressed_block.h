@@ -61,7 +61,8 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;
     nodes = number_active_nodes<dim>(table, used, MPI_COMM_WORLD);
-    const auto volume = on_host(particles.arrays().initial_volume), stiffness = on_host(particles.arrays().young);
+    const auto volume = copy_to_host(particles.arrays().initial_volume),
+               stiffness = copy_to_host(particles.arrays().young);
     const std::vector<double> volumes(volume.data(), volume.data() + volume.extent(0));
     const std::vector<double> moduli(stiffness.data(), stiffness.data() + stiffness.extent(0));
     const std::vector<double> travel(particles.ids().size(), 0.);

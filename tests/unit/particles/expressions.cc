@@ -13,7 +13,7 @@ TEST(BodyForces, FollowInitialAndPresentPlaceAndTime)
   block.move([](long long id, unsigned int d) { return 0.01 * d + 1e-4 * (id % 7); });
   const BodyForce<3> force({{"X - x", "t * Y", "a * z"}, {{"a", "1 / (1 + t)"}}, "domain.body force"});
   EXPECT_TRUE(force.depends_on_time());
-  const auto values = test::on_host(force.evaluate(block.particles, 3., MPI_COMM_WORLD));
+  const auto values = copy_to_host(force.evaluate(block.particles, 3., MPI_COMM_WORLD));
   const auto initial = block.particles.initial_positions();
   ASSERT_EQ(initial.size(), block.particles.ids().size());
   for (std::size_t p = 0; p < initial.size(); ++p)
@@ -29,7 +29,7 @@ TEST(BodyForces, InThePlaneTheSecondComponentIsVertical)
   SoilBlock<2> block;
   const BodyForce<2> force({{"2 * X", "3 * Z + z"}, {}, "domain.body force"});
   EXPECT_FALSE(force.depends_on_time());
-  const auto values = test::on_host(force.evaluate(block.particles, 0., MPI_COMM_WORLD));
+  const auto values = copy_to_host(force.evaluate(block.particles, 0., MPI_COMM_WORLD));
   const auto initial = block.particles.initial_positions();
   for (std::size_t p = 0; p < initial.size(); ++p)
   {

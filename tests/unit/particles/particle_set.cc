@@ -4,7 +4,6 @@
 #include <set>
 
 using namespace kedge;
-using test::on_host;
 
 namespace
 {
@@ -32,7 +31,7 @@ public:
   {
     double sum = 0.;
     for (std::size_t p = 0; p < particles.ids().size(); ++p)
-      sum += on_host(view)(p);
+      sum += copy_to_host(view)(p);
     return sum_over_ranks(sum, MPI_COMM_WORLD);
   }
 
@@ -87,8 +86,8 @@ TYPED_TEST(Particles, BeginWithTheStateOfTheirLaw)
   clay.layers[1].material.law = law_index<Clay>;
   clay.layers[1].material.constants.values = {{"undrained strength", 2e3}, {"strength gradient", 1.5e3}};
   const test::SoilFixture<dim> block(test::tall_block<dim>(), clay);
-  const auto state = on_host(block.particles.arrays().state);
-  const auto layer = on_host(block.particles.arrays().layer);
+  const auto state = copy_to_host(block.particles.arrays().state);
+  const auto layer = copy_to_host(block.particles.arrays().layer);
   for (std::size_t p = 0; p < block.particles.ids().size(); ++p)
   {
     const double depth = this->top - block.particles.positions()[p][dim - 1];
@@ -100,7 +99,7 @@ TYPED_TEST(Particles, BeginWithTheStateOfTheirLaw)
 TYPED_TEST(Particles, StayWithinTheirLayer)
 {
   constexpr unsigned int vertical = TypeParam::value - 1;
-  const auto layer = on_host(this->particles.arrays().layer);
+  const auto layer = copy_to_host(this->particles.arrays().layer);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
   {
     const double z = this->particles.positions()[p][vertical], half = this->particles.half_widths()[p][vertical];
@@ -118,7 +117,7 @@ TYPED_TEST(Particles, StayWithinTheirLayer)
 TYPED_TEST(Particles, StandUnderTheOverburdenAndK0TimesIt)
 {
   constexpr unsigned int vertical = TypeParam::value - 1;
-  const auto stress = on_host(this->particles.arrays().trial_stress);
+  const auto stress = copy_to_host(this->particles.arrays().trial_stress);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
   {
     const double expected = -this->overburden(this->particles.positions()[p][vertical]);
@@ -129,9 +128,9 @@ TYPED_TEST(Particles, StandUnderTheOverburdenAndK0TimesIt)
 
 TYPED_TEST(Particles, HaveTheElasticStrainOfTheirStress)
 {
-  const auto strain = on_host(this->particles.arrays().trial_strain),
-             stress = on_host(this->particles.arrays().trial_stress);
-  const auto young = on_host(this->particles.arrays().young);
+  const auto strain = copy_to_host(this->particles.arrays().trial_strain),
+             stress = copy_to_host(this->particles.arrays().trial_stress);
+  const auto young = copy_to_host(this->particles.arrays().young);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
     for (unsigned int d = 0; d < 3; ++d)
     {
@@ -142,8 +141,8 @@ TYPED_TEST(Particles, HaveTheElasticStrainOfTheirStress)
 
 TYPED_TEST(Particles, StiffenWithTheOverburden)
 {
-  const auto young = on_host(this->particles.arrays().young);
-  const auto layer = on_host(this->particles.arrays().layer);
+  const auto young = copy_to_host(this->particles.arrays().young);
+  const auto layer = copy_to_host(this->particles.arrays().layer);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
   {
     const double sigma = this->overburden(this->particles.positions()[p][TypeParam::value - 1]);
@@ -276,9 +275,9 @@ TYPED_TEST(Particles, CommitTheTrialState)
   Kokkos::deep_copy(arrays.trial_state, 0.75);
   const auto none = [](long long, unsigned int) { return 0.; };
   this->particles.commit(this->increments(none, 1.1), DomainUpdate::none);
-  const auto stress = on_host(this->particles.arrays().trial_stress);
-  const auto state = on_host(this->particles.arrays().state);
-  const auto b = on_host(this->particles.arrays().elastic_left_cauchy_green);
+  const auto stress = copy_to_host(this->particles.arrays().trial_stress);
+  const auto state = copy_to_host(this->particles.arrays().state);
+  const auto b = copy_to_host(this->particles.arrays().elastic_left_cauchy_green);
   for (std::size_t p = 0; p < this->particles.ids().size(); ++p)
   {
     ASSERT_EQ(state(p, 0), 0.75);

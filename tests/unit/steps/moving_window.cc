@@ -107,8 +107,8 @@ template <int dim> struct Drag : test::StepFixture<dim>
   /// m, of the displacements of all particles with their domains against a plane, over all of them.
   double largest_displacement_across(const ParticleIncrements& increments) const
   {
-    const auto gradient = test::on_host(increments.deformation_gradient);
-    const auto u = test::on_host(increments.displacement);
+    const auto gradient = copy_to_host(increments.deformation_gradient);
+    const auto u = copy_to_host(increments.displacement);
     double largest = 0.;
     for (std::size_t p = 0; p < particles.ids().size(); ++p)
     {
