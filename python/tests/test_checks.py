@@ -116,7 +116,7 @@ class Core(CheckCase):
         self.assert_passes("check-core")
 
     def test_finds_deal_ii_in_the_core(self):
-        for name in ("include/kedge/base/kokkos.h", "include/kedge/contact/coulomb.h", "source/solvers/a.cc",
+        for name in ("include/kedge/base/kokkos.h", "include/kedge/contact_forces/coulomb.h", "source/solvers/a.cc",
                      "include/kedge/materials/a.h", "source/assembly/a.cc"):
             with self.subTest(name):
                 self.write(name, "#include <deal.II/base/point.h>\n")

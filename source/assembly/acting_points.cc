@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/kernels.h>
@@ -10,31 +9,11 @@ namespace
 using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 } // namespace
 
-ActingPoints gather_acting(const PointForces& points)
-{
-  const auto is_zero = [](const double entry) { return entry == 0.; };
-  std::vector<unsigned int> begin{0}, nodes;
-  std::vector<double> weights, force, tangent;
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-  {
-    const double *f = &points.force[3 * i], *t = &points.tangent[9 * i];
-    if (std::all_of(f, f + 3, is_zero) && std::all_of(t, t + 9, is_zero)) // most points touch nothing
-      continue;
-    nodes.insert(nodes.end(), points.nodes.begin() + points.begin[i], points.nodes.begin() + points.begin[i + 1]);
-    weights.insert(weights.end(), points.weights.begin() + points.begin[i],
-                   points.weights.begin() + points.begin[i + 1]);
-    begin.push_back(nodes.size());
-    force.insert(force.end(), f, f + 3);
-    tangent.insert(tangent.end(), t, t + 9);
-  }
-  return {upload(begin, "point begin"), upload(nodes, "point nodes"), upload(weights, "point weights"),
-          upload(force, "point forces"), upload(tangent, "point tangents")};
-}
-
-void add_point_forces(const unsigned int dim, const ActingPoints& points, const double sign, const NodalVector& force)
+void add_point_forces(const unsigned int dim, const PointForces& points, const double sign, const NodalVector& force)
 {
   Kokkos::parallel_for(
-      "point forces", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+      "point forces", Policy(0, points.n_acting), KOKKOS_LAMBDA(const std::size_t k) {
+        const unsigned int i = points.acting(k);
         for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
           for (unsigned int d = 0; d < dim; ++d)
             add_to(force(static_cast<std::size_t>(dim) * points.nodes(v) + d),
@@ -42,10 +21,11 @@ void add_point_forces(const unsigned int dim, const ActingPoints& points, const 
       });
 }
 
-void add_point_force_sizes(const unsigned int dim, const ActingPoints& points, const NodalVector& size)
+void add_point_force_sizes(const unsigned int dim, const PointForces& points, const NodalVector& size)
 {
   Kokkos::parallel_for(
-      "sizes of point forces", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+      "sizes of point forces", Policy(0, points.n_acting), KOKKOS_LAMBDA(const std::size_t k) {
+        const unsigned int i = points.acting(k);
         double square = 0.;
         for (unsigned int d = 0; d < dim; ++d)
           square += points.force(3 * i + d) * points.force(3 * i + d);
@@ -54,11 +34,12 @@ void add_point_force_sizes(const unsigned int dim, const ActingPoints& points, c
       });
 }
 
-void add_point_products(const unsigned int dim, const ActingPoints& points, const double sign,
+void add_point_products(const unsigned int dim, const PointForces& points, const double sign,
                         const NodalVector& direction, const NodalVector& force)
 {
   Kokkos::parallel_for(
-      "point products", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+      "point products", Policy(0, points.n_acting), KOKKOS_LAMBDA(const std::size_t k) {
+        const unsigned int i = points.acting(k);
         double u[3] = {0., 0., 0.};
         for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
           for (unsigned int d = 0; d < dim; ++d)
@@ -74,14 +55,15 @@ void add_point_products(const unsigned int dim, const ActingPoints& points, cons
       });
 }
 
-void add_point_tangents(const ActingPoints& points, const double sign, const NodeGraph& graph,
+void add_point_tangents(const PointForces& points, const double sign, const NodeGraph& graph,
                         const View<double*>& values)
 {
   const unsigned int dim = graph.dim;
   const View<std::size_t*> row_begin = graph.row_begin;
   const View<unsigned int*> column = graph.column;
   Kokkos::parallel_for(
-      "point tangents", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+      "point tangents", Policy(0, points.n_acting), KOKKOS_LAMBDA(const std::size_t k) {
+        const unsigned int i = points.acting(k);
         for (unsigned int a = points.begin(i); a < points.begin(i + 1); ++a)
         {
           const unsigned int row_node = points.nodes(a);

@@ -42,8 +42,7 @@ unsigned long NodalEquations<dim>::add_force(const NodalVector& increment, const
 }
 
 template <int dim>
-void NodalEquations<dim>::linearise(const NodalVector& increment, const ActingPoints& points,
-                                    const double elastic_share)
+void NodalEquations<dim>::linearise(const NodalVector& increment, const PointForces& points, const double elastic_share)
 {
   const auto scope = timings.measure("tangent");
   acting_points = points;

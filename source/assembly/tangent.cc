@@ -13,6 +13,11 @@ using Scratch = Kokkos::View<double*, ExecutionSpace::scratch_memory_space, Kokk
 /// Size of the contracted moduli that are held at once, so that they stay in the nearer caches.
 constexpr std::size_t cache_bytes = 131072;
 
+/// The memory that threads of a group share is too small on a GPU: groups there are few threads and use the large one.
+constexpr bool on_host = Kokkos::SpaceAccessibility<Kokkos::HostSpace, MemorySpace>::accessible;
+constexpr int threads_beside_host = 16;
+KEDGE_FUNCTION constexpr int scratch_level() { return on_host ? 0 : 1; }
+
 /// Nodes and columns whose sums stay in registers: 4 x 8 numbers fill half of the registers of AVX2.
 constexpr unsigned int node_block = 4, column_block = 8;
 
@@ -81,9 +86,9 @@ template <int dim> struct TangentKernel
     const unsigned int width = round_up(dim * n, column_block), n_padded = round_up(n, node_block);
     const unsigned int begin = stencils.pattern_particle_begin(pattern),
                        end = stencils.pattern_particle_begin(pattern + 1);
-    const Scratch contracted(team.team_scratch(0), chunk * rows * width),
-        gradient(team.team_scratch(0), chunk * dim * n_padded);
-    const Scratch sums(team.thread_scratch(0), node_block * dim * width);
+    const Scratch contracted(team.team_scratch(scratch_level()), chunk * rows * width),
+        gradient(team.team_scratch(scratch_level()), chunk * dim * n_padded);
+    const Scratch sums(team.thread_scratch(scratch_level()), node_block * dim * width);
 
     for (unsigned int start = begin; start < end; start += chunk)
     {
@@ -170,9 +175,11 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
                               View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
   const TangentKernel<dim> kernel{
       {particles, stencils, materials, cells, elastic_share}, graph.row_begin, graph.column, values, chunk, moduli};
-  Policy policy(stencils.n_patterns, Kokkos::AUTO);
+  Policy policy =
+      on_host ? Policy(stencils.n_patterns, Kokkos::AUTO) : Policy(stencils.n_patterns, threads_beside_host);
   policy.set_scratch_size(
-      0, Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),
+      scratch_level(),
+      Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),
       Kokkos::PerThread(Scratch::shmem_size(node_block * dim * width)));
   Kokkos::parallel_for("tangent", policy, kernel);
   if (!cells.empty())

@@ -46,13 +46,6 @@ Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, const unsigne
   return dim == 3 ? Eigen::Vector3d(vector[0], vector[1], vector[2]) : Eigen::Vector3d(vector[0], 0., vector[1]);
 }
 
-Eigen::Matrix3d skew(const Eigen::Vector3d& a)
-{
-  Eigen::Matrix3d matrix;
-  matrix << 0., -a[2], a[1], a[2], 0., -a[0], -a[1], a[0], 0.;
-  return matrix;
-}
-
 Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& theta)
 {
   const double half = theta.norm() / 2.;

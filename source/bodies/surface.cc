@@ -12,34 +12,6 @@ namespace kedge
 {
 using namespace surface_tree;
 
-std::pair<Eigen::Vector3d, Part> surface_tree::project(const Facet& facet, const Eigen::Vector3d& x)
-{
-  const auto& [a, ab, ac, triangle] = facet;
-  const Eigen::Vector3d ap = x - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0. && d2 <= 0.)
-    return {a, vertex_0};
-  const Eigen::Vector3d bp = ap - ab;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0. && d4 <= d3)
-    return {a + ab, vertex_1};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0. && d1 >= 0. && d3 <= 0.)
-    return {a + d1 / (d1 - d3) * ab, edge_0};
-  const Eigen::Vector3d cp = ap - ac;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0. && d5 <= d6)
-    return {a + ac, vertex_2};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0. && d2 >= 0. && d6 <= 0.)
-    return {a + d2 / (d2 - d6) * ac, edge_2};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0. && d4 >= d3 && d5 >= d6)
-    return {a + ab + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (ac - ab), edge_1};
-  const double sum = va + vb + vc;
-  return {a + vb / sum * ab + vc / sum * ac, face};
-}
-
 Surface::Tree::Tree(TriangleMesh mesh_) : mesh(std::move(mesh_))
 {
   std::vector<unsigned int> order(mesh.triangles.size());
@@ -98,11 +70,11 @@ void Surface::Tree::find_parts()
   constexpr double flat = 1e-3; // rad
   const std::vector<Eigen::Vector3d> normals = face_normals(mesh);
   std::vector<Eigen::Vector3d> vertex_normals(mesh.vertices.size(), Eigen::Vector3d::Zero());
-  parts.resize(mesh.triangles.size());
+  parts.resize(n_parts * mesh.triangles.size());
   for (unsigned int t = 0; t < mesh.triangles.size(); ++t)
   {
-    for (PartData& part : parts[t])
-      part.normal = normals[t];
+    for (unsigned int part = 0; part < n_parts; ++part)
+      parts[n_parts * t + part].normal = normals[t];
     const auto& triangle = mesh.triangles[t];
     for (unsigned int i = 0; i < 3; ++i)
     {
@@ -121,7 +93,7 @@ void Surface::Tree::find_parts()
     const Eigen::Vector3d tangent = (mesh.vertices[edge.vertices[1]] - mesh.vertices[edge.vertices[0]]).normalized();
     const Eigen::Vector3d normal = (normals[edge.triangles[0]] + normals[edge.triangles[1]]).normalized();
     for (unsigned int side = 0; side < 2; ++side)
-      parts[edge.triangles[side]][edge_0 + edge.sides[side]] = {normal, tangent, Feature::edge};
+      parts[n_parts * edge.triangles[side] + edge_0 + edge.sides[side]] = {normal, tangent, Feature::edge};
     for (const unsigned int v : edge.vertices)
       tangents[v].push_back(tangent);
   }
@@ -131,7 +103,7 @@ void Surface::Tree::find_parts()
     for (unsigned int i = 0; i < 3; ++i)
     {
       const unsigned int v = mesh.triangles[t][i];
-      PartData& part = parts[t][vertex_0 + i];
+      PartData& part = parts[n_parts * t + vertex_0 + i];
       if (tangents[v].empty())
         continue;
       part.normal = vertex_normals[v].normalized();
@@ -142,81 +114,43 @@ void Surface::Tree::find_parts()
     }
 }
 
-Nearest Surface::Tree::nearest(const Eigen::Vector3d& x, double squared_limit) const
+TriangleTree Surface::Tree::on_host(const std::size_t n_queries) const
 {
-  struct Entry
-  {
-    unsigned int node;
-    double squared_distance;
-  };
-  std::array<Entry, 64> stack; // the tree is balanced: 64 levels are never reached
-  Nearest best{squared_limit, {}};
-  unsigned int size = 0;
-  if (const double d = nodes[0].squared_distance(x); d <= squared_limit)
-    stack[size++] = {0, d};
-  while (size > 0)
-  {
-    // A box that was near enough when it was stacked may have become too far.
-    const Entry entry = stack[--size];
-    if (entry.squared_distance > best.squared_distance)
-      continue;
-    const Node& node = nodes[entry.node];
-    for (unsigned int f = node.first_facet; f < node.first_facet + node.n_facets; ++f)
-    {
-      const auto [point, part] = project(facets[f], x);
-      const double squared_distance = (x - point).squaredNorm();
-      if (squared_distance <= best.squared_distance)
-        best = {squared_distance, point, f, part};
-    }
-    if (node.n_facets > 0)
-      continue;
-    // The nearer child goes on top of the stack: it is searched first and tightens the bound for the other one.
-    Entry near{entry.node + 1, nodes[entry.node + 1].squared_distance(x)};
-    Entry far{node.other, nodes[node.other].squared_distance(x)};
-    if (far.squared_distance < near.squared_distance)
-      std::swap(near, far);
-    if (far.squared_distance <= best.squared_distance)
-      stack[size++] = far;
-    if (near.squared_distance <= best.squared_distance)
-      stack[size++] = near;
-  }
-  return best;
-}
-
-ClosestPoint Surface::Tree::describe(const Eigen::Vector3d& x, const Nearest& nearest) const
-{
-  const unsigned int triangle = facets[nearest.facet].triangle;
-  const PartData& part = parts[triangle][nearest.part];
-  const Eigen::Vector3d away = x - nearest.point;
-  const double height = part.normal.dot(away);
-  // On a face the gap is the height above its plane, which passes smoothly through zero. Elsewhere the height gives
-  // only the sign.
-  if (part.feature == Feature::face)
-  {
-    // The foot of the perpendicular is more exact than barycentric coordinates of a slender triangle.
-    const Eigen::Vector3d foot = nearest.part == face ? Eigen::Vector3d(x - height * part.normal) : nearest.point;
-    return {height, foot, part.normal, part.feature, part.tangent, triangle, part.normal};
-  }
-  const double distance = std::sqrt(nearest.squared_distance), gap = std::copysign(distance, height);
-  const Eigen::Vector3d normal = distance > tiny ? Eigen::Vector3d(away / gap) : part.normal;
-  return {gap, nearest.point, normal, part.feature, part.tangent, triangle, part.normal};
-}
-
-double Surface::Tree::least_distance(const Eigen::Vector3d& x) const
-{
-  if (n_queries < n_grid_cells && ++n_queries < n_grid_cells)
-    return 0.;
+  TriangleTree view{nodes.data(), facets.data(), parts.data(), nodes.size(), facets.size(), tiny, {}};
+  if (n_asked < n_grid_cells && (n_asked += n_queries) < n_grid_cells)
+    return view;
   std::call_once(has_grid,
-                 [this]
+                 [&]
                  {
                    grid.emplace(nodes[0].lower, nodes[0].upper, n_grid_cells,
-                                [this](const Eigen::Vector3d& at)
+                                [&](const Eigen::Vector3d& at)
                                 {
-                                  const Nearest found = nearest(at, std::numeric_limits<double>::infinity());
-                                  return std::copysign(std::sqrt(found.squared_distance), describe(at, found).gap);
+                                  const Nearest found = view.nearest(at, std::numeric_limits<double>::infinity());
+                                  return std::copysign(std::sqrt(found.squared_distance), view.describe(at, found).gap);
                                 });
                  });
-  return grid->least_distance(x);
+  view.grid = grid->cells();
+  return view;
+}
+
+TriangleTree Surface::Tree::on_device(const std::size_t n_queries) const
+{
+  TriangleTree view = on_host(n_queries);
+  if (std::is_same_v<MemorySpace, Kokkos::HostSpace> && !mirrors_apart())
+    return view;
+  if (device_nodes.extent(0) == 0)
+  {
+    device_nodes = upload(nodes, "surface nodes");
+    device_facets = upload(facets, "surface facets");
+    device_parts = upload(parts, "surface parts");
+  }
+  if (grid && device_grid.extent(0) == 0)
+    device_grid = upload(grid->values(), "surface grid");
+  view.nodes = device_nodes.data();
+  view.facets = device_facets.data();
+  view.parts = device_parts.data();
+  view.grid.distance = grid ? device_grid.data() : nullptr;
+  return view;
 }
 
 Surface::Surface(TriangleMesh mesh) : tree(std::make_unique<Tree>(std::move(mesh))) {}
@@ -231,18 +165,15 @@ std::array<Eigen::Vector3d, 2> Surface::bounds() const { return {tree->nodes[0].
 ClosestPoint Surface::closest_point(const Eigen::Vector3d& x) const
 {
   constexpr double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-  const Nearest nearest = tree->nearest(x, infinity);
+  const TriangleTree view = tree->on_host();
+  const Nearest nearest = view.nearest(x, infinity);
   if (nearest.facet == -1u) // only where x is not finite
   {
     const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(nan);
     return {nan, x, nowhere, Feature::face, Eigen::Vector3d::Zero(), 0, nowhere};
   }
-  return tree->describe(x, nearest);
+  return view.describe(x, nearest);
 }
-
-/// Share of a known distance that covers round-off. Beside a nearly flat edge the gap is a height and a little less
-/// than the distance to the edge; the margin covers this difference too.
-constexpr double margin = 1e-6;
 
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance) const
 {
@@ -253,35 +184,14 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance,
                                                           KnownDistance& known) const
 {
-  const double to_box = tree->nodes[0].squared_distance(x);
-  if (to_box > distance * distance)
-    return std::nullopt;
-  if (to_box == 0. && (1. - margin) * tree->least_distance(x) > distance)
-    return std::nullopt;
-  // A point inside the box may lie deep in the body; only the sign tells, so the search has no limit there.
-  double squared_limit = to_box > 0. ? distance * distance : std::numeric_limits<double>::infinity();
-  if (!std::isnan(known.signed_distance))
-  {
-    const double travelled = (x - known.at).norm();
-    if ((1. - margin) * (known.signed_distance - travelled) > distance)
-      return std::nullopt;
-    const double farthest = (1. + margin) * (std::abs(known.signed_distance) + travelled) + tree->tiny;
-    squared_limit = std::min(squared_limit, farthest * farthest);
-  }
-  const Nearest nearest = tree->nearest(x, squared_limit);
-  if (nearest.facet == -1u)
-    return std::nullopt;
-  const ClosestPoint closest = tree->describe(x, nearest);
-  known = {x, std::copysign(std::sqrt(nearest.squared_distance), closest.gap)};
-  return closest.gap <= distance ? std::optional<ClosestPoint>(closest) : std::nullopt;
+  ClosestPoint closest;
+  return tree->on_host().find_within(x, distance, known, closest) ? std::optional<ClosestPoint>(closest) : std::nullopt;
 }
 
 double Surface::least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const
 {
-  const double to_box = std::sqrt(tree->nodes[0].squared_distance(x));
-  const double least = to_box > 0. ? to_box : (1. - margin) * tree->least_distance(x);
-  return std::isnan(known.signed_distance)
-             ? least
-             : std::max(least, (1. - margin) * (known.signed_distance - (x - known.at).norm()));
+  return tree->on_host().least_gap(x, known);
 }
+
+TriangleTree Surface::for_kernels(const std::size_t n_queries) const { return tree->on_device(n_queries); }
 } // namespace kedge

@@ -84,7 +84,7 @@ bool is_near(const Triangle& triangle, const Eigen::Vector3d& half_width, const 
     for (unsigned int d = 0; d < 3; ++d)
       if (corner & (1u << d))
         x[d] = -x[d];
-    if ((project(facet, x).first - x).squaredNorm() <= limit)
+    if ((project(facet, x).point - x).squaredNorm() <= limit)
       return true;
   }
   return false;

@@ -1,295 +1,118 @@
-// Forces of all pairs for given motions of soil and bodies, and the multipliers that they leave behind.
+// Contact of given motions of soil and bodies, and what it leaves behind. Kernels of contact_forces do the work.
 #include <algorithm>
 #include <cmath>
 #include <kedge/base/communication.h>
-#include <kedge/base/world_axes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
 
 namespace kedge
 {
-namespace
-{
-/// What a metre of a body's motion takes off the reference gaps of corners that were inside it at the start: over four
-/// times their depth they fade, slowly enough for the soil to give way.
-constexpr double fading_per_distance = 0.25;
-
-/// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
-/// there is what the last solution has left of the distance.
-constexpr double on_surface = 0.05;
-
-/// Pairs respond from this distance on, in sizes of the particle, so that they have a slip before they touch.
-constexpr double wakes_before = 0.1;
-
-Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
-{
-  switch (closest.feature)
-  {
-    case Feature::edge:
-      return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
-    case Feature::vertex:
-      return Eigen::Matrix3d::Identity();
-    case Feature::face:
-      break;
-  }
-  return closest.normal * closest.normal.transpose();
-}
-
-/// Of nodal vectors at a point, in the world's axes. Evaluations call this for every pair, so sums stay in
-/// registers.
-template <int dim>
-inline Eigen::Vector3d weighted_sum(const PointForces& points, const std::vector<double>& nodal, const unsigned int at)
-{
-  double sum[dim] = {};
-  for (unsigned int v = points.begin[at]; v < points.begin[at + 1]; ++v)
-    for (int d = 0; d < dim; ++d)
-      sum[d] += points.weights[v] * nodal[dim * points.nodes[v] + d];
-  Eigen::Vector3d u = Eigen::Vector3d::Zero();
-  for (int d = 0; d < dim; ++d)
-    u[world_axis(dim, d)] = sum[d];
-  return u;
-}
-} // namespace
-
 template <int dim>
 Contact<dim>::Contact(const ContactParameters& parameters_, const MPI_Comm communicator_)
     : parameters(parameters_), communicator(communicator_)
 {
 }
 
-template <int dim> Eigen::Vector3d Contact<dim>::corner_displacement(const unsigned int point) const
-{
-  if (nodal_increment.empty()) // nothing is evaluated yet
-    return Eigen::Vector3d::Zero();
-  return weighted_sum<dim>(points, nodal_increment, point);
-}
-
-/// By surface.
-template <int dim>
-auto Contact<dim>::find_approaches(const RigidSystems& committed, const std::vector<Pose>& moved)
-    -> std::vector<Approach>
-{
-  std::vector<Approach> approaches;
-  for (const WeldedSurface& welded : committed.surfaces)
-  {
-    const Pose &before = committed.points[welded.point].pose, &now = moved[welded.point];
-    const double angle = before.rotation.angularDistance(now.rotation);
-    approaches.push_back({(now.position - before.position).norm(), 2. * std::sin(0.5 * angle)});
-  }
-  return approaches;
-}
-
 template <int dim> void Contact<dim>::wake_all()
 {
-  for (Rest& rest : rests)
-    rest.asleep = false;
+  const auto host = rests.on_host();
+  for (std::size_t k = 0; k < n_pairs; ++k)
+    host(k).asleep = false;
+}
+
+template <int dim> ContactArrays& Contact<dim>::on_device()
+{
+  arrays.pairs = pairs.on_device();
+  arrays.rests = rests.on_device();
+  return arrays;
+}
+
+template <int dim> ContactArrays Contact<dim>::arrays_of_last_evaluation() const
+{
+  ContactArrays result = arrays;
+  result.pairs = pairs.read_on_device();
+  result.rests = rests.read_on_device();
+  return result;
+}
+
+template <int dim>
+SurfaceMotions Contact<dim>::find_motions(const RigidSystems& committed, const std::vector<Vector6>& increments) const
+{
+  std::vector<SurfaceMotion> result;
+  for (const WeldedSurface& welded : committed.surfaces)
+  {
+    const Pose& before = committed.points[welded.point].pose;
+    const Pose now = before.moved(increments[welded.point]);
+    const double angle = before.rotation.angularDistance(now.rotation);
+    result.push_back({welded.surface.for_kernels(n_pairs), before.frame(), now.frame(),
+                      (now.position - before.position).norm(), 2. * std::sin(0.5 * angle), welded.point});
+  }
+  return upload(result, "motions of surfaces");
 }
 
 template <int dim>
 const PointForces& Contact<dim>::evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
-                                          const double* increment, const std::size_t n_nodes)
+                                          const View<double*>& increment)
 {
-  nodal_increment.assign(increment, increment + dim * n_nodes);
-  std::vector<Pose> moved;
-  for (std::size_t i = 0; i < committed.points.size(); ++i)
-    moved.push_back(committed.points[i].pose.moved(increments[i]));
-
-  const std::vector<Approach> approaches = find_approaches(committed, moved);
-  for (const unsigned int point : acting)
-  {
-    std::fill_n(&points.force[3 * point], 3, 0.);
-    std::fill_n(&points.tangent[9 * point], 9, 0.);
-  }
-  acting.clear();
-  touching.clear();
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-  {
-    Rest& rest = rests[k];
-    const Approach& approach = approaches[rest.surface];
-    const double left = rest.clearance - approach.shift - approach.turn * rest.lever;
-    const Eigen::Vector3d displacement = weighted_sum<dim>(points, nodal_increment, rest.point);
-    if (rest.asleep && displacement.norm() < left)
-      continue; // as its last response has left it: it touches nothing
-    Pair& pair = pairs[k];
-    const WeldedSurface& welded = committed.surfaces[pair.key.surface];
-    pair.position = pair.start + displacement;
-    respond(pair, welded.surface, committed.points[welded.point].pose, moved[welded.point]);
-    put_to_rest(pair, welded.surface, moved[welded.point], rest);
-    if (!pair.active)
-      continue;
-    acting.push_back(pair.point);
-    touching.push_back({pair.position, pair.force, pair.key.surface});
-    for (unsigned int i = 0; i < dim; ++i)
-    {
-      points.force[3 * pair.point + i] += pair.force[world_axis(dim, i)];
-      for (unsigned int j = 0; j < dim; ++j)
-        points.tangent[9 * pair.point + 3 * i + j] += pair.tangent(world_axis(dim, i), world_axis(dim, j));
-    }
-  }
-  return points;
+  if (nodal_increment.extent(0) != increment.extent(0))
+    nodal_increment = View<double*>(Kokkos::view_alloc("increment", Kokkos::WithoutInitializing), increment.extent(0));
+  Kokkos::deep_copy(nodal_increment, increment);
+  motions = find_motions(committed, increments);
+  evaluate_contact(dim, on_device(), motions, nodal_increment, keeps_multipliers());
+  return arrays.points;
 }
 
-/// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
-template <int dim> void Contact<dim>::put_to_rest(const Pair& pair, const Surface& surface, const Pose& now, Rest& rest)
-{
-  const bool remembers = pair.committed.bonded || pair.committed.multiplier != 0. ||
-                         pair.committed.reference_gap != 0. || pair.augmented.multiplier != 0.;
-  rest.asleep = !(pair.active || remembers || std::isfinite(pair.gap));
-  if (rest.asleep)
-    rest.clearance = std::max(rest.clearance, surface.least_gap(now.to_body(pair.position), pair.known) -
-                                                  pair.slip.norm() - wakes_before * pair.size);
-}
+template <int dim> void Contact<dim>::reset_multipliers() { kedge::reset_multipliers(on_device(), n_pairs); }
 
-/// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
-/// pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to facet, and
-/// a multiplier presses on however near the surface is, while the normal at an edge turns by 1/distance.
-template <int dim>
-std::optional<ClosestPoint> Contact<dim>::find_closest(Pair& pair, const Surface& surface, const Pose& before,
-                                                       const Eigen::Vector3d& x, const double distance)
-{
-  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0. || pair.committed.reference_gap > 0.))
-  {
-    pair.on_plane = true;
-    pair.plane = surface.closest_point(before.to_body(pair.start));
-    if (std::abs(pair.plane.gap) < on_surface * pair.size)
-      pair.plane.normal = pair.plane.pseudo_normal;
-  }
-  if (!pair.on_plane)
-    return surface.closest_point_within(x, distance, pair.known);
-  ClosestPoint closest = pair.plane;
-  closest.gap += closest.normal.dot(pair.slip);
-  closest.feature = Feature::face;
-  return closest;
-}
+template <int dim> void Contact<dim>::augment(const double factor) { kedge::augment(on_device(), n_pairs, factor); }
 
-/// Lets the true surface come to meet the soil while the body moves; `carried` is where the body takes the place of the
-/// corner's start, m.
-template <int dim> void Contact<dim>::fade(Pair& pair, const Eigen::Vector3d& carried)
-{
-  const double first = pair.committed.reference_gap, distance = (carried - pair.start).norm();
-  const double side = first < 0. ? 1. : -1.;
-  pair.carried = carried;
-  pair.reference_gap = side * std::min(0., side * first + fading_per_distance * distance);
-  if (pair.reference_gap != 0. && distance > 0.)
-    pair.fading = side * fading_per_distance / distance * (carried - pair.start);
-}
-
-template <int dim>
-void Contact<dim>::respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const
-{
-  // a corner that touches nothing keeps no history and no multiplier
-  pair.active = false;
-  pair.force.setZero();
-  pair.gap = std::numeric_limits<double>::infinity();
-  pair.fading.setZero();
-  pair.trial = History();
-  pair.proposed = pair.augmented;
-  pair.proposed.multiplier = 0.;
-  pair.proposed.tangential.setZero();
-
-  const bool bonded = pair.committed.bonded;
-  const Eigen::Vector3d x = now.to_body(pair.position);
-  pair.slip = x - before.to_body(pair.start); // as the body sees it
-  pair.reference_gap = pair.committed.reference_gap;
-  if (!bonded && pair.reference_gap != 0.) // most have none
-    fade(pair, now.to_world(before.to_body(pair.start)));
-  // up to where the multiplier and the reference press
-  const double held_off = pair.augmented.multiplier / pair.stiffness.normal + std::max(0., pair.reference_gap);
-  const auto closest = find_closest(pair, surface, before, x, held_off);
-  if (!closest)
-    return;
-  pair.gap = closest->gap;
-  if (!pair.on_plane)
-  {
-    pair.plane = *closest;
-    pair.plane.gap -= closest->normal.dot(pair.slip);
-  }
-
-  ContactGeometry at;
-  at.distance = closest->gap;
-  at.gap = closest->gap - pair.reference_gap;
-  at.normal = now.direction_to_world(closest->normal);
-  const Eigen::Matrix3d turn = now.rotation.toRotationMatrix();
-  at.normal_subspace = turn * normal_subspace(*closest) * turn.transpose();
-  at.slip = now.direction_to_world(pair.slip - pair.slip_begin);
-  const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
-
-  const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier, bonded);
-  pair.active = response.active;
-  pair.force = response.force;
-  pair.tangent = response.tangent;
-  pair.normal = at.normal;
-  pair.trial.tangential = response.tangential;
-  pair.trial.pressure = response.active ? response.force.dot(at.normal) : 0.;
-  // a corner that comes out of its first penetration finds the true surface when it returns
-  pair.trial.reference_gap =
-      response.active ? pair.reference_gap : std::min(0., std::max(pair.reference_gap, closest->gap));
-  pair.trial.bonded = bonded || (pair.bonds && response.active);
-  if (response.active && parameters.method == ContactMethod::augmented_lagrangian)
-  {
-    const double pressure = pair.proposed.multiplier = response.force.dot(at.normal);
-    if (pair.trial.bonded) // from now on the spring alone carries what the multiplier does
-      pair.trial.reference_gap = closest->gap + pressure / pair.stiffness.normal;
-    else
-      pair.trial.multiplier = pressure;
-  }
-  pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
-}
-
-template <int dim> void Contact<dim>::reset_multipliers()
-{
-  for (Pair& pair : pairs)
-  {
-    pair.augmented = pair.committed;
-    pair.slip_begin.setZero();
-    pair.on_plane = false;
-  }
-}
-
-template <int dim> void Contact<dim>::augment(const double factor)
-{
-  for (Pair& pair : pairs)
-  {
-    if (pair.committed.bonded) // springs alone: around edges the nodes cannot keep the gaps of all bonded corners
-      continue;
-    const double before = pair.augmented.multiplier;
-    pair.augmented = pair.proposed;
-    pair.augmented.multiplier = std::max(0., before + factor * (pair.proposed.multiplier - before));
-    pair.on_plane = pair.on_plane || pair.active;
-  }
-}
-
-template <int dim> void Contact<dim>::follow_path()
-{
-  for (Pair& pair : pairs)
-  {
-    pair.augmented.tangential = pair.proposed.tangential; // none where nothing touches
-    pair.slip_begin = pair.slip;
-  }
-}
+template <int dim> void Contact<dim>::follow_path() { kedge::follow_path(on_device(), n_pairs); }
 
 template <int dim> double Contact<dim>::excess() const
 {
-  double worst = 0.;
-  if (parameters.method == ContactMethod::augmented_lagrangian)
-    for (const Pair& pair : pairs)
-      if (pair.active && !pair.committed.bonded)
-        worst =
-            std::max(worst, std::abs(pair.gap - pair.reference_gap) / (parameters.penetration_tolerance * pair.size));
-  return max_over_ranks(worst, communicator);
+  const double here = keeps_multipliers() ? largest_excess(arrays_of_last_evaluation()) : 0.;
+  return max_over_ranks(here / parameters.penetration_tolerance, communicator);
+}
+
+template <int dim> BodyLoads Contact<dim>::loads() const
+{
+  BodyLoads result = contact_loads(arrays_of_last_evaluation(), motions, n_rigid_points);
+  if (!result.empty())
+    MPI_Allreduce(MPI_IN_PLACE, result.data(), 6 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  return result;
+}
+
+template <int dim> BodyTangents Contact<dim>::load_tangents() const
+{
+  BodyTangents result = contact_load_tangents(arrays_of_last_evaluation(), motions, n_rigid_points);
+  if (!result.empty())
+    MPI_Allreduce(MPI_IN_PLACE, result.data(), 36 * result.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  return result;
 }
 
 template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
 {
-  std::map<long long, double> gaps;
-  for (const Pair& pair : pairs)
+  const auto host = pairs.read_on_host();
+  const auto begin = copy_to_host(arrays.points.begin), nodes = copy_to_host(arrays.points.nodes);
+  const auto weights = copy_to_host(arrays.points.weights), increment = copy_to_host(nodal_increment);
+  const auto displacement = [&](const unsigned int i)
   {
+    Eigen::Vector3d u = Eigen::Vector3d::Zero();
+    for (unsigned int v = begin(i); v < begin(i + 1) && increment.extent(0) > 0; ++v)
+      for (int d = 0; d < dim; ++d)
+        u[world_axis(dim, d)] += weights(v) * increment(dim * nodes(v) + d);
+    return u;
+  };
+  std::map<long long, double> gaps;
+  for (std::size_t k = 0; k < n_pairs; ++k)
+  {
+    const ContactPair& pair = host(k);
     double& smallest = gaps.emplace(pair.key.particle, std::numeric_limits<double>::infinity()).first->second;
     double gap = pair.gap;
     if (!std::isfinite(gap) && smallest > 0.) // evaluations look no farther than what may press
     {
       const WeldedSurface& welded = moved.surfaces[pair.key.surface];
-      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.start + corner_displacement(pair.point));
+      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.start + displacement(pair.point));
       KnownDistance known = pair.known;
       if (const auto closest = welded.surface.closest_point_within(x, std::min(pair.size, smallest), known))
         gap = closest->gap;
@@ -299,19 +122,24 @@ template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const
   return gaps;
 }
 
+template <int dim> auto Contact<dim>::touches() const -> std::vector<Touch>
+{
+  const auto host = pairs.read_on_host();
+  std::vector<Touch> result;
+  for (std::size_t k = 0; k < n_pairs; ++k)
+    if (host(k).active)
+      result.push_back({host(k).position, host(k).force, host(k).key.surface});
+  return result;
+}
+
 template <int dim> long long Contact<dim>::n_active() const
 {
-  const long long here = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.active; });
-  return sum_over_ranks(here, communicator);
+  return sum_over_ranks(count_active(arrays_of_last_evaluation()), communicator);
 }
 
 template <int dim> double Contact<dim>::deepest_penetration() const
 {
-  double deepest = 0.;
-  for (const Pair& pair : pairs)
-    if (pair.active)
-      deepest = std::max(deepest, pair.reference_gap - pair.gap);
-  return max_over_ranks(deepest, communicator);
+  return max_over_ranks(kedge::deepest_penetration(arrays_of_last_evaluation()), communicator);
 }
 
 template class Contact<2>;

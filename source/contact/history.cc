@@ -43,9 +43,10 @@ std::vector<ContactRecord> deliver(const std::vector<ContactRecord>& leaving, co
 template <int dim> void Contact<dim>::commit()
 {
   history = waiting;
-  for (const Pair& pair : pairs)
-    if (pair.active || pair.trial.reference_gap < 0.)
-      history[pair.key] = pair.trial;
+  const auto host = pairs.read_on_host();
+  for (std::size_t k = 0; k < n_pairs; ++k)
+    if (host(k).active || host(k).trial.reference_gap < 0.)
+      history[host(k).key] = host(k).trial;
 }
 
 template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
@@ -79,7 +80,7 @@ template <int dim> void Contact<dim>::follow_particles(const std::vector<long lo
   known_ids = ids;
 }
 
-template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const History& state)
+template <int dim> ContactRecord Contact<dim>::to_record(const ContactKey& key, const ContactHistory& state)
 {
   const Eigen::Vector3d& t = state.tangential;
   return {key.particle,        key.corner,       key.surface,  {t[0], t[1], t[2]},
@@ -88,7 +89,7 @@ template <int dim> ContactRecord Contact<dim>::to_record(const Key& key, const H
 
 template <int dim> void Contact<dim>::enter(const ContactRecord& record)
 {
-  History& state = history[{record.particle, record.corner, record.surface}];
+  ContactHistory& state = history[{record.particle, record.corner, record.surface}];
   state.tangential = Eigen::Map<const Eigen::Vector3d>(record.tangential);
   state.reference_gap = record.reference_gap;
   state.multiplier = record.multiplier;

@@ -80,7 +80,7 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
   for (const Split<dim>& split : splits)
   {
     const auto first = history.lower_bound({split.parent, 0, 0}), last = history.lower_bound({split.parent + 1, 0, 0});
-    const std::map<Key, History> of_parent(first, last);
+    const std::map<ContactKey, ContactHistory> of_parent(first, last);
     history.erase(first, last);
     double radius = 0.; // of the ball that holds all corners
     for (const double half : split.half_width)
@@ -103,14 +103,14 @@ template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& spl
 
 template <int dim>
 void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
-                           const std::map<Key, History>& of_parent, const RigidSystems& bodies,
+                           const std::map<ContactKey, ContactHistory>& of_parent, const RigidSystems& bodies,
                            const KnownDistance& known)
 {
   constexpr unsigned int n = 1u << dim;
   const WeldedSurface& welded = bodies.surfaces[surface];
   const std::array<double, n_places<dim>> gap =
       gaps_at_places<dim>(split, welded.surface, bodies.points[welded.point].pose, known);
-  std::array<const History*, n> parent;
+  std::array<const ContactHistory*, n> parent;
   double farthest = -std::numeric_limits<double>::infinity(); // gap of the parent's corners that press
   for (std::uint32_t from = 0; from < n; ++from)
   {
@@ -122,7 +122,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   farthest += same_gap * split.half_width[0];
 
   std::array<bool, n_places<dim>> bonded, presses;
-  std::array<std::optional<History>, n_places<dim>> at_place; // all but forces
+  std::array<std::optional<ContactHistory>, n_places<dim>> at_place; // all but forces
   for (unsigned int place = 0; place < n_places<dim>; ++place)
   {
     double known_share = 0., bonded_share = 0., reference_gap = 0.;
@@ -143,7 +143,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
     presses[place] = presses[place] && known_share > 0.;
     if (known_share == 0. && !(gap[place] < 0.))
       continue;
-    History& state = at_place[place].emplace();
+    ContactHistory& state = at_place[place].emplace();
     state.bonded = bonded[place];
     if (state.bonded || presses[place])
       state.reference_gap = reference_gap / known_share;
@@ -167,7 +167,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
       const unsigned int place = place_of<dim>(split, octant, corner);
       if (!at_place[place])
         continue;
-      History inherited = *at_place[place];
+      ContactHistory inherited = *at_place[place];
       for (std::uint32_t from = 0; from < n; ++from)
         if (carries(from, place) && sum[from] > 0.)
         {

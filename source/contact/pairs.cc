@@ -54,11 +54,18 @@ std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen:
   return near;
 }
 
+/// Nodes of points, as PointForces has them.
+struct Hanging
+{
+  std::vector<unsigned int> begin{0}, nodes;
+  std::vector<double> weights;
+};
+
 /// Adds a corner of a particle to the points, hung on the active nodes of the leaf on its particle's side. False where
 /// there is no such node.
 template <int dim>
 bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& number,
-                const std::array<double, dim>& centre, const std::array<double, dim>& corner, PointForces& points)
+                const std::array<double, dim>& centre, const std::array<double, dim>& corner, Hanging& points)
 {
   std::array<double, dim> inside;
   for (unsigned int d = 0; d < dim; ++d)
@@ -95,10 +102,10 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
 }
 } // namespace
 
-template <int dim> void Contact<dim>::settle(Pair& pair, const RigidSystems& bodies)
+template <int dim> void Contact<dim>::settle(ContactPair& pair, const RigidSystems& bodies)
 {
   const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
-  History& state = pair.committed;
+  ContactHistory& state = pair.committed;
   const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
   const bool carries = state.pressure != 0. || state.bonded;
   const double first = state.reference_gap, limit = farthest_reference * pair.size;
@@ -117,12 +124,6 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
                               const ContactParticles<dim>& particles, const std::vector<unsigned int>& number,
                               const double reach)
 {
-  pairs.clear();
-  rests.clear();
-  nodal_increment.clear();
-  touching.clear();
-  points = PointForces();
-  acting.clear();
   waiting = history;
   // what is found inside a body for the first time has come there with its box, between two steps
   const bool contact_goes_on = sum_over_ranks(static_cast<long long>(history.size()), communicator) > 0;
@@ -131,7 +132,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     interfaces.push_back(welded.interface.or_else(parameters.interface));
 
   std::vector<std::pair<std::size_t, std::vector<unsigned int>>> near_bodies;
-  std::size_t n_pairs = 0; // at most; pairs are large, so their memory must not be copied while it grows
+  std::size_t most_pairs = 0;
   for (std::size_t p = 0; p < particles.centre.size(); ++p)
   {
     if (!waiting.empty())
@@ -143,14 +144,19 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);
     if (near.empty())
       continue;
-    n_pairs += near.size() << dim;
+    most_pairs += near.size() << dim;
     near_bodies.emplace_back(p, std::move(near));
   }
-  if (n_pairs > pairs.capacity())
+  if (most_pairs > pairs.size())
   {
-    pairs.reserve(n_pairs + n_pairs / 4); // more than now, so that the next steps find room
-    rests.reserve(n_pairs + n_pairs / 4);
+    pairs = SharedArray<ContactPair>("contact pairs", most_pairs + most_pairs / 4); // so that the next steps find room
+    rests = SharedArray<ContactRest>("contact rests", pairs.size());
   }
+  const auto host_pairs = pairs.overwrite_on_host();
+  const auto host_rests = rests.overwrite_on_host();
+  n_pairs = 0;
+  Hanging points;
+  std::vector<unsigned int> pair_begin;
   for (const auto& [p, near] : near_bodies)
   {
     const double size = std::pow(particles.initial_volume[p], 1. / dim);
@@ -159,13 +165,14 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
       std::array<double, dim> x;
       for (unsigned int d = 0; d < dim; ++d)
         x[d] = particles.centre[p][d] + ((corner >> d) & 1u ? 1. : -1.) * particles.half_width[p][d];
-      const unsigned int point = points.n_points();
+      const unsigned int point = points.begin.size() - 1;
       if (!add_corner<dim>(table, number, particles.centre[p], x, points))
         continue;
       // one point for the corner, one pair for each surface that it may touch
+      pair_begin.push_back(n_pairs);
       for (const unsigned int s : near)
       {
-        Pair pair;
+        ContactPair pair;
         pair.key = {particles.id[p], corner, s};
         pair.point = point;
         pair.start = to_world<dim>(x);
@@ -178,23 +185,34 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         if (entry != history.end() || contact_goes_on)
           settle(pair, bodies);
         pair.trial = pair.augmented = pair.committed;
-        pairs.push_back(pair);
         const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
-        rests.push_back({point, s, (pair.start - pose.position).norm()});
+        host_pairs(n_pairs) = pair;
+        host_rests(n_pairs) = {s, false, (pair.start - pose.position).norm(), 0.};
+        ++n_pairs;
       }
     }
   }
-  points.force.assign(3 * points.n_points(), 0.);
-  points.tangent.assign(9 * points.n_points(), 0.);
+  pair_begin.push_back(n_pairs);
+
+  arrays = {};
+  arrays.pair_begin = upload(pair_begin, "pair begin");
+  arrays.points.begin = upload(points.begin, "point begin");
+  arrays.points.nodes = upload(points.nodes, "point nodes");
+  arrays.points.weights = upload(points.weights, "point weights");
+  make_room(arrays);
+  nodal_increment = View<double*>();
+  n_rigid_points = bodies.points.size();
 }
 
 template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
 {
   wake_all();
   history.clear(); // what cells were fitted for held soil that the bodies have replaced
-  for (Pair& pair : pairs)
+  const auto host = pairs.on_host();
+  for (std::size_t k = 0; k < n_pairs; ++k)
   {
-    pair.committed = pair.trial = pair.augmented = History();
+    ContactPair& pair = host(k);
+    pair.committed = pair.trial = pair.augmented = ContactHistory();
     const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
     const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
     const auto closest = welded.surface.closest_point_within(x, pair.bonds ? bonding_distance * pair.size : 0.);

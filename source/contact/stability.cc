@@ -5,25 +5,19 @@
 
 namespace kedge
 {
-namespace
+template <int dim> View<double*> Contact<dim>::point_stiffness() const
 {
-double stiffest(const ContactStiffness& stiffness) { return std::max(stiffness.normal, stiffness.tangential); }
-} // namespace
-
-template <int dim> std::vector<double> Contact<dim>::point_stiffness() const
-{
-  std::vector<double> result(points.n_points(), 0.);
-  for (const Pair& pair : pairs)
-    result[pair.point] += stiffest(pair.stiffness);
-  return result;
+  return kedge::point_stiffness(arrays_of_last_evaluation());
 }
 
 template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystems& bodies) const
 {
   // stiffness, N/m, and stiffness times the square of the arm, N m, of all springs to a point
   std::vector<Eigen::Vector2d> springs(bodies.points.size(), Eigen::Vector2d::Zero());
-  for (const Pair& pair : pairs)
+  const auto host = pairs.read_on_host();
+  for (std::size_t k = 0; k < n_pairs; ++k)
   {
+    const ContactPair& pair = host(k);
     const unsigned int point = bodies.surfaces[pair.key.surface].point;
     const double stiffness = stiffest(pair.stiffness);
     springs[point] += stiffness * Eigen::Vector2d(1., (pair.start - bodies.points[point].pose.position).squaredNorm());
@@ -47,8 +41,8 @@ template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystem
   return largest;
 }
 
-template std::vector<double> Contact<2>::point_stiffness() const;
-template std::vector<double> Contact<3>::point_stiffness() const;
+template View<double*> Contact<2>::point_stiffness() const;
+template View<double*> Contact<3>::point_stiffness() const;
 template double Contact<2>::largest_body_frequency(const RigidSystems&) const;
 template double Contact<3>::largest_body_frequency(const RigidSystems&) const;
 } // namespace kedge

@@ -31,20 +31,24 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
   wake_all();
   struct Carrier
   {
-    Pair* pair;
+    ContactPair* pair;
     double gap;
     Eigen::Vector3d normal, force;
   };
+  const auto host = pairs.on_host();
+  const auto begin = copy_to_host(arrays.points.begin), nodes = copy_to_host(arrays.points.nodes);
+  const auto weights = copy_to_host(arrays.points.weights);
   std::vector<Carrier> carriers;
   std::vector<double> weight(missing.size(), 0.);
   const auto for_each_dof = [&](const Carrier& carrier, const auto& visit)
   {
-    for (unsigned int v = points.begin[carrier.pair->point]; v < points.begin[carrier.pair->point + 1]; ++v)
+    for (unsigned int v = begin(carrier.pair->point); v < begin(carrier.pair->point + 1); ++v)
       for (unsigned int d = 0; d < dim; ++d)
-        visit(dim * points.nodes[v] + d, world_axis(dim, d), points.weights[v]);
+        visit(dim * nodes(v) + d, world_axis(dim, d), weights(v));
   };
-  for (Pair& pair : pairs)
+  for (std::size_t k = 0; k < n_pairs; ++k)
   {
+    ContactPair& pair = host(k);
     const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
     const Pose& pose = bodies.points[welded.point].pose;
     const auto closest = welded.surface.closest_point_within(pose.to_body(pair.start), support_distance * pair.size);
@@ -78,8 +82,8 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
 
   for (const Carrier& carrier : carriers)
   {
-    Pair& pair = *carrier.pair;
-    History& state = pair.committed;
+    ContactPair& pair = *carrier.pair;
+    ContactHistory& state = pair.committed;
     state.pressure = carrier.force.dot(carrier.normal);
     state.tangential = carrier.force - state.pressure * carrier.normal;
     if (state.pressure == 0. && !state.bonded)

@@ -121,14 +121,22 @@ void repeat(GhostFaces& faces, const std::size_t copies, const std::size_t n_nod
     repeat_rows(*values, copies);
 }
 
-void repeat(PointForces& points, const std::size_t copies, const unsigned int n_nodes)
+/// All but what evaluations write.
+void repeat(ContactArrays& contact, const std::size_t copies, const std::size_t n_nodes)
 {
-  const std::size_t n = points.n_points();
-  for (std::size_t i = n; i < copies * n; ++i)
-    points.begin.push_back(points.begin[i - n + 1] + points.begin[n]);
-  repeat(points.nodes, copies, n_nodes);
-  for (std::vector<double>* const values : {&points.weights, &points.force, &points.tangent})
-    repeat(*values, copies);
+  if (contact.pairs.extent(0) == 0)
+    return;
+  const std::size_t n_points = contact.points.begin.extent(0) - 1, n_pairs = contact.pairs.extent(0);
+  repeat_begin(contact.points.begin, copies);
+  repeat_rows(contact.points.nodes, copies, n_nodes);
+  repeat_rows(contact.points.weights, copies);
+  repeat_begin(contact.pair_begin, copies);
+  repeat_rows(contact.rests, copies);
+  repeat_rows(contact.pairs, copies);
+  const View<ContactPair*> pairs = contact.pairs;
+  Kokkos::parallel_for(
+      "points of pairs", Kokkos::RangePolicy<ExecutionSpace>(0, copies * n_pairs),
+      KOKKOS_LAMBDA(const std::size_t k) { pairs(k).point += k / n_pairs * n_points; });
 }
 } // namespace
 
@@ -152,7 +160,7 @@ void repeat_step(SavedStep& step, const unsigned int copies)
     begin *= copies;
   repeat(parts.position, copies);
   repeat(parts.constrained, copies);
-  repeat(step.points, copies, n_nodes);
+  repeat(step.contact.arrays, copies, n_nodes);
   for (NodalVector* const vector :
        {&step.motion.mass, &step.motion.velocity, &step.motion.acceleration, &step.increment, &step.other})
     repeat_rows(*vector, copies);

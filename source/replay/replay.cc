@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,18 +40,6 @@ double difference(const std::vector<double>& found, const std::vector<double>& s
   }
   apart = max_over_ranks(apart, communicator);
   return apart == 0. ? 0. : apart / max_over_ranks(largest, communicator);
-}
-
-Border border_of(const SavedStep& step, const Teuchos::RCP<const TpetraMap>& map)
-{
-  const std::size_t n = step.rigid_side.size();
-  Border border;
-  if (n == 0)
-    return border;
-  border.corner = Eigen::Map<const Eigen::MatrixXd>(step.corner.data(), n, n);
-  border.columns = vectors_of(step.columns, map, n);
-  border.rows = vectors_of(step.rows, map, n);
-  return border;
 }
 
 void add_to_owned(const NodalVector& other, TpetraVector& residual)
@@ -105,7 +94,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   equations->set_motion(step.motion);
   equations->set_newmark(step.newmark);
   const System& system = equations->system();
-  const ActingPoints points = gather_acting(step.points);
+  ContactArrays& contact = step.contact.arrays;
 
   TpetraVector residual(system.graph().row_map);
   time("residual",
@@ -113,7 +102,8 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
        {
          const NodalVector force = system.make_nodal_vector();
          equations->add_force(step.increment, force);
-         add_point_forces(dim, points, -1., force);
+         evaluate_contact(dim, contact, step.contact.motions, step.increment, step.contact.keeps_multipliers != 0);
+         add_point_forces(dim, contact.points, -1., force);
          system.collect(force, residual);
          add_to_owned(step.other, residual);
          system.zero_constrained(residual);
@@ -121,7 +111,22 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   report.residual_difference = difference(values_of(residual), step.residual, communicator);
   say("differs by {:.2g} from what was saved", report.residual_difference);
 
-  time("tangent", [&] { equations->linearise(step.increment, points, step.elastic_share); });
+  Border border;
+  time("tangent",
+       [&]
+       {
+         equations->linearise(step.increment, contact.points, step.elastic_share);
+         if (!step.rigid_side.empty())
+           border = contact_border(contact, step.contact.motions, step.contact.rates(), system);
+       });
+  const std::size_t n_rigid = step.rigid_side.size();
+  if (n_rigid > 0)
+  {
+    border.corner = Eigen::Map<const Eigen::MatrixXd>(step.corner.data(), n_rigid, n_rigid);
+    report.border_difference = std::max(difference(values_of(*border.columns), step.columns, communicator),
+                                        difference(values_of(*border.rows), step.rows, communicator));
+    say("differs by {:.2g} from what was saved", report.border_difference);
+  }
   LinearSystem linear = equations->linear_system();
   TpetraVector product(system.graph().row_map);
   {
@@ -134,8 +139,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   say("differs by {:.2g} from what was saved", report.product_difference);
 
   const double matrix = time("matrix", [&] { linear.near(); });
-  const Border border = border_of(step, system.graph().row_map);
-  const Eigen::VectorXd rigid_side = Eigen::Map<const Eigen::VectorXd>(step.rigid_side.data(), step.rigid_side.size());
+  const Eigen::VectorXd rigid_side = Eigen::Map<const Eigen::VectorXd>(step.rigid_side.data(), n_rigid);
   TpetraVector solution(system.graph().row_map);
   Eigen::VectorXd rigid_solution;
   const auto make_solver = [&](const bool reuse)
@@ -179,11 +183,15 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
     part.remark = "copies and kernels are those of matrix and solution, too";
   }
 
-  TpetraVector left(residual, Teuchos::Copy);
+  // GMRES compares with the right side of which the border's unknowns are eliminated.
+  TpetraVector left(residual, Teuchos::Copy), side(residual, Teuchos::Copy);
   linear.product->apply(solution, left, Teuchos::NO_TRANS, -1., 1.);
-  for (Eigen::Index i = 0; i < rigid_solution.size(); ++i)
-    left.update(-rigid_solution[i], *border.columns->getVector(i), 1.);
-  report.solution_residual = left.norm2() / residual.norm2();
+  if (n_rigid > 0)
+  {
+    add_columns(border, -1., rigid_solution, left);
+    add_columns(border, -1., border.corner.partialPivLu().solve(rigid_side), side);
+  }
+  report.solution_residual = left.norm2() / side.norm2();
   return report;
 }
 } // namespace
@@ -224,8 +232,8 @@ std::string format_replay(const ReplayReport& report, const std::string& back_en
         std::make_tuple("iteration", both + renewal, "a later one; the product is part of the solution")})
     text += fmt::format("{:<12}{:>12.4g}{:>18.4g}              {}\n", name, seconds, 1e9 * seconds / report.n_particles,
                         remark);
-  text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}\n", report.residual_difference,
-                      report.product_difference);
+  text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}, border {:.2g}\n",
+                      report.residual_difference, report.product_difference, report.border_difference);
   text += fmt::format("linear residual {:.2g} for a tolerance of {:.2g}\n", report.solution_residual, report.tolerance);
   for (const ReplayedPart& part : report.parts)
     if (!part.profile.kernels.empty())

@@ -7,7 +7,7 @@ namespace kedge
 {
 namespace
 {
-constexpr unsigned int format_version = 1;
+constexpr unsigned int format_version = 2;
 
 /// What the particles need besides what every stress update writes.
 template <typename Archive> void transfer(Archive& archive, ParticleArrays& particles)
@@ -64,13 +64,22 @@ template <typename Archive> void transfer(Archive& archive, GhostFaces& faces)
   archive("ghost faces/mass", faces.mass);
 }
 
-template <typename Archive> void transfer(Archive& archive, PointForces& points)
+template <typename Archive> void transfer(Archive& archive, SavedContact& contact)
 {
-  archive("contact/begin", points.begin);
-  archive("contact/nodes", points.nodes);
-  archive("contact/weights", points.weights);
-  archive("contact/force", points.force);
-  archive("contact/tangent", points.tangent);
+  archive("contact/begin", contact.arrays.points.begin);
+  archive("contact/nodes", contact.arrays.points.nodes);
+  archive("contact/weights", contact.arrays.points.weights);
+  archive("contact/pair begin", contact.arrays.pair_begin);
+  archive("contact/pairs", contact.arrays.pairs);
+  archive("contact/rests", contact.arrays.rests);
+  archive("contact/motions", contact.motions);
+  archive("contact/tree nodes", contact.nodes);
+  archive("contact/tree facets", contact.facets);
+  archive("contact/tree parts", contact.parts);
+  archive("contact/tree grids", contact.grids);
+  archive("contact/keeps multipliers", contact.keeps_multipliers);
+  archive("contact/rate point", contact.rate_point);
+  archive("contact/rate direction", contact.rate_direction);
 }
 
 /// Every array of the file, for writing as for reading.
@@ -89,7 +98,7 @@ template <typename Archive> void transfer(Archive& archive, SavedStep& step)
   archive("nodes/ghost begin", step.parts.numbering.ghost_begin);
   archive("nodes/position", step.parts.position);
   archive("nodes/constrained", step.parts.constrained);
-  transfer(archive, step.points);
+  transfer(archive, step.contact);
   archive("dynamic", step.is_dynamic);
   archive("dynamic/beta", step.newmark.beta);
   archive("dynamic/gamma", step.newmark.gamma);
@@ -161,6 +170,8 @@ SavedStep read_step(const std::string& path, const unsigned int copies)
   if (copies > 1)
     repeat_step(step, copies);
   make_room(step.parts, step.dim);
+  make_room(step.contact.arrays);
+  point_into_trees(step.contact);
   return step;
 }
 

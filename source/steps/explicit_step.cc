@@ -75,26 +75,27 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
 {
   if (!context.stage.rigid_bodies)
     return 0.;
-  const PointForces& points = context.soil.contact().points_of_last_evaluation();
-  const std::vector<double> stiffness = context.soil.contact().point_stiffness();
-  const View<double*> rate("contact stiffness", basis.nodes.n_local());
-  const auto host = copy_to_host(rate);
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-    for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
-      host(points.nodes[v]) += stiffness[i] * points.weights[v];
-  Kokkos::deep_copy(rate, host);
+  const PointForces points = context.soil.contact().points_of_last_evaluation();
+  const View<double*> stiffness = context.soil.contact().point_stiffness(), node_mass = mass,
+                      rate("contact stiffness", basis.nodes.n_local());
+  const Kokkos::RangePolicy<ExecutionSpace> all(0, points.n());
+  Kokkos::parallel_for(
+      "contact stiffness", all, KOKKOS_LAMBDA(const std::size_t i) {
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          add_to(rate(points.nodes(v)), stiffness(i) * points.weights(v));
+      });
   node_exchange.sum_over_ranks(rate);
-  Kokkos::deep_copy(host, rate);
-  const auto node_mass = copy_to_host(mass);
   double largest = 0.;
-  for (std::size_t i = 0; i < points.n_points(); ++i)
-  {
-    double sum = 0.;
-    for (unsigned int v = points.begin[i]; v < points.begin[i + 1]; ++v)
-      if (node_mass(points.nodes[v]) > 0.)
-        sum += points.weights[v] * host(points.nodes[v]) / node_mass(points.nodes[v]);
-    largest = std::max(largest, sum);
-  }
+  Kokkos::parallel_reduce(
+      "contact frequency", all,
+      KOKKOS_LAMBDA(const std::size_t i, double& most) {
+        double sum = 0.;
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          if (const unsigned int node = points.nodes(v); node_mass(node) > 0.)
+            sum += points.weights(v) * rate(node) / node_mass(node);
+        most = sum > most ? sum : most;
+      },
+      Kokkos::Max<double>(largest));
   return max_over_ranks(largest, basis.nodes.communicator) +
          context.soil.contact().largest_body_frequency(context.bodies);
 }
@@ -199,10 +200,7 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
   if (motion)
   {
     body_increments = motion->increments();
-    const auto host = copy_to_host(increment);
-    const PointForces& points =
-        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim);
-    add_point_forces(dim, gather_acting(points), -1., force);
+    add_point_forces(dim, context.soil.contact().evaluate(context.bodies, body_increments, increment), -1., force);
     context.soil.contact().follow_path();
   }
   else
@@ -231,7 +229,7 @@ template <int dim> void ExplicitStep<dim>::kick(const double time)
       });
   if (!motion)
     return;
-  const BodyLoads now = context.soil.contact().loads(context.bodies, body_increments);
+  const BodyLoads now = context.soil.contact().loads();
   for (std::size_t i = 0; i < now.size(); ++i)
     impulse[i] += time * now[i];
   motion->kick(now, gravity(), time);

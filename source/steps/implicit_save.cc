@@ -21,7 +21,11 @@ void ImplicitStep<dim>::save_system(const TpetraVector& r, const TpetraVector& d
   saved.motion = equations->motion();
   saved.increment = local_increment;
   if (context.stage.rigid_bodies)
-    saved.points = context.soil.contact().points_of_last_evaluation();
+  {
+    const Contact<dim>& contact = context.soil.contact();
+    saved.contact = save_contact(contact.arrays_of_last_evaluation(), contact.motions_of_last_evaluation(),
+                                 contact.keeps_multipliers(), rigid_unknowns->rates(body_increments));
+  }
   saved.elastic_share = how.damping;
   saved.tolerance = how.tolerance;
   saved.residual = values_of(*rigid_unknowns->nodal(r));

@@ -292,9 +292,7 @@ template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, Tpe
   add_given_forces(force);
   if (context.stage.rigid_bodies)
   {
-    const auto host = copy_to_host(local_increment);
-    acting_points = gather_acting(
-        context.soil.contact().evaluate(context.bodies, body_increments, host.data(), host.extent(0) / dim));
+    acting_points = context.soil.contact().evaluate(context.bodies, body_increments, local_increment);
     add_point_forces(dim, acting_points, -1., force);
   }
   const auto nodal_residual = rigid_unknowns->nodal(r);

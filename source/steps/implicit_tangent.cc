@@ -35,8 +35,7 @@ LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const Tpet
   Border border;
   if (!rigid_unknowns->empty())
   {
-    border = rigid_unknowns->border(balance, context.soil.contact().coupling(context.bodies, body_increments),
-                                    context.soil.contact().points_of_last_evaluation(), body_increments, system());
+    border = rigid_unknowns->border(balance, context.soil.contact(), body_increments, system());
     if (how.damping > 0. && !load.newmark.is_dynamic()) // a body that touches nothing yet sinks until the soil holds it
     {
       const double particle = context.soil.mesh().layout().finest_size / context.soil.parameters().points_per_axis;

@@ -12,20 +12,7 @@
 
 namespace kedge
 {
-/// Adds to a number that several threads may change. The serial back end needs no atomic.
-KEDGE_FUNCTION void add_to(double& target, const double value)
-{
-#ifdef KOKKOS_ENABLE_SERIAL
-  if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
-  {
-    target += value;
-    return;
-  }
-#endif
-  Kokkos::atomic_add(&target, value);
-}
-
-/// The same for n numbers that are neighbours in memory, of which the first `used` count.
+/// add_to() for n numbers that are neighbours in memory, of which the first `used` count.
 template <int n, int used = n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<double, n, 1>& values)
 {
 #ifdef KOKKOS_ENABLE_SERIAL

@@ -52,7 +52,7 @@ public:
   /// Takes down the derivative of these forces, less those of `points` (maybe none), at the last add_force(), whose
   /// increment it was. For Newton's damping, yielding particles get at least `elastic_share` of their elastic moduli in
   /// addition.
-  void linearise(const NodalVector& increment, const ActingPoints& points, double elastic_share);
+  void linearise(const NodalVector& increment, const PointForces& points, double elastic_share);
 
   /// Adds the derivative times `direction` (m) to `result` (N).
   void add_product(const NodalVector& direction, const NodalVector& result) const;
@@ -79,6 +79,6 @@ private:
   double damping = 0.;
   LinearisedForce force_derivative;
   LinearisedGhost ghost_derivative;
-  ActingPoints acting_points;
+  PointForces acting_points;
 };
 } // namespace kedge

@@ -14,6 +14,19 @@ namespace kedge
 using ExecutionSpace = Kokkos::DefaultExecutionSpace;
 using MemorySpace = ExecutionSpace::memory_space;
 
+/// Adds to a number that several threads may change. The serial back end needs no atomic.
+KEDGE_FUNCTION void add_to(double& target, const double value)
+{
+#ifdef KOKKOS_ENABLE_SERIAL
+  if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
+  {
+    target += value;
+    return;
+  }
+#endif
+  Kokkos::atomic_add(&target, value);
+}
+
 /// Array on the device. Host code accesses it through HostView mirrors.
 template <typename T> using View = Kokkos::View<T, MemorySpace>;
 

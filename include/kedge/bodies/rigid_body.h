@@ -4,22 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <array>
+#include <kedge/bodies/frame.h>
 #include <kedge/bodies/parameters.h>
 #include <vector>
 
 namespace kedge
 {
-/// Three translations (m) and the rotation vector (rad), both along world axes.
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-/// Force (N) and moment (N m) on each rigid point, world axes; the moment is about its position at the end of the step.
-using BodyLoads = std::vector<Vector6>;
-
 /// Turns a vector of the input into world axes. Plane strain lies in the plane y = 0, and its vectors are [x, z].
 Eigen::Vector3d to_world_axes(const std::array<double, 3>& vector, unsigned int dim);
-
-/// Matrix of the cross product: skew(a) b = a x b.
-Eigen::Matrix3d skew(const Eigen::Vector3d& a);
 
 /// Rotation by |theta| about theta (exponential map), rad.
 Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& theta);
@@ -46,6 +38,8 @@ struct Pose
   /// Directions turn but do not move.
   Eigen::Vector3d direction_to_world(const Eigen::Vector3d& D) const { return rotation * D; }
   Eigen::Vector3d direction_to_body(const Eigen::Vector3d& d) const { return rotation.conjugate() * d; }
+
+  Frame frame() const { return {position, rotation.toRotationMatrix()}; }
 
   /// The pose after an increment; this one stays as it is.
   Pose moved(const Vector6& increment) const;

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <limits>
+#include <kedge/bodies/triangle_tree.h>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,34 +75,6 @@ TriangleMesh extrude_outline(const std::vector<std::array<double, 2>>& outline, 
 /// not count.
 double sharpest_corner_radius(const std::vector<std::array<double, 2>>& outline);
 
-/// Part of the surface that holds a closest point. Edges flatter than 1e-3 rad count as face, and so do vertices that
-/// join only such edges. A vertex inside a straight edge counts as part of that edge.
-enum class Feature
-{
-  face,
-  edge,
-  vertex
-};
-
-struct ClosestPoint
-{
-  double gap;                    ///< signed distance, m; negative inside
-  Eigen::Vector3d point;         ///< on the surface, m
-  Eigen::Vector3d normal;        ///< unit, outwards: d gap / d x
-  Feature feature;               ///< where the point lies
-  Eigen::Vector3d tangent;       ///< unit direction of the edge where feature is edge, else zero
-  unsigned int triangle;         ///< one triangle that holds the point
-  Eigen::Vector3d pseudo_normal; ///< unit, of the face, edge or vertex itself: for x that is hardly off it
-};
-
-/// Result of the last query for one point. It speeds up the next one, because the signed distance changes by no more
-/// than the distance that the point travels.
-struct KnownDistance
-{
-  Eigen::Vector3d at = Eigen::Vector3d::Zero();                      ///< m
-  double signed_distance = std::numeric_limits<double>::quiet_NaN(); ///< m; not a number: nothing is known
-};
-
 /// A box of any orientation in the frame of a surface. A half-width may be zero, as across the plane in plane strain.
 struct OrientedBox
 {
@@ -111,9 +83,8 @@ struct OrientedBox
   Eigen::Vector3d half_width; ///< along the axes, m
 };
 
-/// Signed-distance queries against a closed mesh. A bounding-volume tree, built once, answers them. Queries are const
-/// and may run in any number of threads. Angle-weighted pseudo-normals give the sign (Baerentzen & Aanaes 2005,
-/// doi 10.1109/TVCG.2005.49).
+/// Signed-distance queries against a closed mesh. A TriangleTree, built once, answers them. Queries are const and may
+/// run in any number of threads.
 class Surface
 {
 public:
@@ -136,6 +107,8 @@ public:
   /// A distance (m) that the gap at x is not below, from the bounding box and what the last query left in `known`; 0
   /// where these tell nothing.
   double least_gap(const Eigen::Vector3d& x, const KnownDistance& known = {}) const;
+  /// What answers the next `n_queries` queries of kernels, in memory that they reach. It lives as long as the surface.
+  TriangleTree for_kernels(std::size_t n_queries) const;
   /// Whether the distance from the surface (not from the solid) to the closed box is at most `distance`, m; exact up to
   /// round-off. A surface that crosses the box, or lies in it, is at distance zero.
   bool comes_within(const OrientedBox& box, double distance) const;

@@ -3,15 +3,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <kedge/base/shared_array.h>
 #include <kedge/basis/gimp.h>
 #include <kedge/bodies/rigid_systems.h>
-#include <kedge/contact/coulomb.h>
 #include <kedge/contact/parameters.h>
-#include <kedge/contact/point_forces.h>
+#include <kedge/contact_forces/evaluation.h>
 #include <kedge/particles/splitting.h>
 #include <map>
 #include <mpi.h>
-#include <optional>
 
 namespace kedge
 {
@@ -22,21 +21,6 @@ template <int dim> struct ContactParticles
   const std::vector<long long>& id;
   const std::vector<double>&initial_volume, &young; ///< m3 (2-D: m2), Pa
   const std::vector<double>& travel;                ///< how far it may move in the step, m
-};
-
-/// How contact couples soil and bodies at the last evaluation: exact derivatives, where the motion of a rigid point is
-/// its velocity and spin in world axes (generalised_map turns increments into them).
-struct ContactCoupling
-{
-  struct Entry
-  {
-    unsigned int contact_point; ///< of PointForces, on this rank
-    unsigned int rigid_point;
-    Eigen::Matrix<double, 3, 6> force_by_body; ///< of the force on the soil
-    Eigen::Matrix<double, 6, 3> load_by_soil;  ///< of the load on the rigid point, by the soil point's displacement
-  };
-  std::vector<Entry> entries;
-  std::vector<Eigen::Matrix<double, 6, 6>> load_by_body; ///< per rigid point, over all ranks
 };
 
 /// Committed history of one corner of a particle against one surface, as plain data.
@@ -90,31 +74,34 @@ public:
   /// Takes the tangential forces of the last evaluation for those from which the next one starts: friction follows the
   /// path within a step.
   void follow_path();
+  bool keeps_multipliers() const { return parameters.method == ContactMethod::augmented_lagrangian; }
   /// How far corners of the last evaluation that press and are not bonded are from touching, over the tolerance; below
   /// 1 augment() has nothing left to do, as always without multipliers. Collective.
   double excess() const;
 
-  /// Forces for given nodal increments (dim for each of n_nodes, m) and body increments of the step (per point); writes
-  /// trial history. `committed` are the bodies at the start of the step.
+  /// Forces for given nodal increments (dim for each node, m) and body increments of the step (per point); writes trial
+  /// history. `committed` are the bodies at the start of the step. Nothing but the bodies' motion and what the caller
+  /// copies crosses between host and device.
   const PointForces& evaluate(const RigidSystems& committed, const std::vector<Vector6>& increments,
-                              const double* increment, std::size_t n_nodes);
+                              const View<double*>& increment);
 
   /// What the last evaluation returned.
-  const PointForces& points_of_last_evaluation() const { return points; }
+  const PointForces& points_of_last_evaluation() const { return arrays.points; }
+  /// Pairs and motions of the last evaluation, to be read.
+  ContactArrays arrays_of_last_evaluation() const;
+  const SurfaceMotions& motions_of_last_evaluation() const { return motions; }
 
   /// Stiffest spring of every contact point of this rank, touching or not, summed over its surfaces, N/m.
-  std::vector<double> point_stiffness() const;
+  View<double*> point_stiffness() const;
 
   /// Bound on the squared frequency, 1/s2, of any body that is free on springs to all corners that could touch it, were
   /// these held. Collective.
   double largest_body_frequency(const RigidSystems& bodies) const;
 
   /// What the soil exerts on the bodies in the last evaluation, summed over all ranks. Collective.
-  BodyLoads loads(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
-
-  /// Derivatives of the last evaluation. Collective.
-  ContactCoupling coupling(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
-
+  BodyLoads loads() const;
+  /// Their derivatives by the motion of each rigid point itself, summed over all ranks. Collective.
+  BodyTangents load_tangents() const;
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
   void commit();
 
@@ -151,95 +138,35 @@ public:
     Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
     unsigned int surface;
   };
-  const std::vector<Touch>& touches() const { return touching; }
+  std::vector<Touch> touches() const;
 
 private:
-  struct Key
-  {
-    long long particle;
-    std::uint32_t corner, surface;
-    bool operator<(const Key& other) const
-    {
-      return std::tie(particle, corner, surface) < std::tie(other.particle, other.corner, other.surface);
-    }
-  };
-  struct History
-  {
-    Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
-    double reference_gap = 0.;                            ///< m
-    double multiplier = 0.;                               ///< of the normal force, N
-    bool bonded = false;                                  ///< also carries tension
-    double pressure = 0.;                                 ///< normal force, N; below 0 only where bonded
-  };
-  static ContactRecord to_record(const Key& key, const History& state);
+  static ContactRecord to_record(const ContactKey& key, const ContactHistory& state);
   void enter(const ContactRecord& record);
-
-  struct Pair
-  {
-    Key key;
-    unsigned int point;    ///< of PointForces
-    Eigen::Vector3d start; ///< corner at the start of the step, m
-    ContactStiffness stiffness;
-    double size = 0.;   ///< of the particle, m
-    bool bonds = false; ///< whether the surface is one that bonds what touches it
-    History committed, trial;
-    History augmented, proposed; ///< multipliers in use and from the last evaluation, axes as at the start of the step
-    double gap = 0.;             ///< signed distance in the last evaluation
-    double reference_gap = 0.;   ///< in the last evaluation: faded
-    Eigen::Vector3d fading = Eigen::Vector3d::Zero();     ///< d reference gap / d place of the body
-    Eigen::Vector3d carried = Eigen::Vector3d::Zero();    ///< the corner's start, moved with the body, m
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
-    Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
-    Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
-    KnownDistance known;                                  ///< in the body's frame
-    bool on_plane = false;                                ///< a plane stands for the surface
-    ClosestPoint plane; ///< that touches the surface, with the gap of the corner at the start of the step; in the
-                        ///< body's frame
-    bool active = false;
-    Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
-  };
-
-  /// What evaluations need of a pair that is far from touching, so that they leave it alone.
-  struct Rest
-  {
-    unsigned int point, surface;
-    double lever;          ///< distance of the corner from the body's origin at the start of the step, m
-    double clearance = 0.; ///< m that they may go against each other, from the start of the step, without touching
-    bool asleep = false;   ///< the last response is that of a pair that touches nothing
-  };
-  /// Bound on how far a body takes a corner that goes with it: `shift` + `turn` * lever, m.
-  struct Approach
-  {
-    double shift, turn;
-  };
-
-  static std::vector<Approach> find_approaches(const RigidSystems& committed, const std::vector<Pose>& moved);
+  /// Every pair responds to the next evaluation.
   void wake_all();
+  /// Where the bodies' surfaces are before and after increments.
+  SurfaceMotions find_motions(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
+  /// Pairs and rests, to be changed there.
+  ContactArrays& on_device();
   /// Chooses the reference gap with which the pair presses at the start of the step as it did at the end of the last.
-  static void settle(Pair& pair, const RigidSystems& bodies);
+  static void settle(ContactPair& pair, const RigidSystems& bodies);
   /// The history of a parent's corners against one surface goes to its children.
-  void inherit(const Split<dim>& split, std::uint32_t surface, const std::map<Key, History>& of_parent,
+  void inherit(const Split<dim>& split, std::uint32_t surface, const std::map<ContactKey, ContactHistory>& of_parent,
                const RigidSystems& bodies, const KnownDistance& known);
-  Eigen::Vector3d corner_displacement(unsigned int point) const;
-  /// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
-  static std::optional<ClosestPoint> find_closest(Pair& pair, const Surface& surface, const Pose& before,
-                                                  const Eigen::Vector3d& x, double distance);
-  static void put_to_rest(const Pair& pair, const Surface& surface, const Pose& now, Rest& rest);
-  static void fade(Pair& pair, const Eigen::Vector3d& carried);
-  /// Forces and trial history of a pair at its position, its body having moved.
-  void respond(Pair& pair, const Surface& surface, const Pose& before, const Pose& now) const;
 
   ContactParameters parameters;
   MPI_Comm communicator;
-  std::vector<Pair> pairs;
-  std::vector<Rest> rests;             ///< by pair
-  std::vector<double> nodal_increment; ///< of the last evaluation, m
-  PointForces points;
-  std::vector<unsigned int> acting; ///< points on which the last evaluation has left forces, with repetitions
-  std::map<Key, History> history;
+  std::size_t n_pairs = 0;
+  SharedArray<ContactPair> pairs; ///< the first n_pairs
+  SharedArray<ContactRest> rests; ///< by pair
+  ContactArrays arrays;           ///< their pairs and rests are set by on_device()
+  SurfaceMotions motions;         ///< of the last evaluation
+  View<double*> nodal_increment;  ///< of the last evaluation, m
+  std::size_t n_rigid_points = 0;
+  std::map<ContactKey, ContactHistory> history;
   std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them
-  std::map<Key, History> waiting;   ///< that of particles that the last search did not see: outside the window
-  std::vector<Touch> touching;
+  std::map<ContactKey, ContactHistory>
+      waiting; ///< that of particles that the last search did not see: outside the window
 };
 } // namespace kedge

@@ -30,7 +30,7 @@ struct ReplayReport
   unsigned int dim = 3;
   long long n_particles = 0, n_dofs = 0; ///< of all ranks
   std::vector<ReplayedPart> parts;
-  double residual_difference = 0., product_difference = 0.;
+  double residual_difference = 0., product_difference = 0., border_difference = 0.;
   double solution_residual = 0.; ///< of the linear system, relative
   double tolerance = 0.;         ///< what that may be
   unsigned int linear_iterations = 0;

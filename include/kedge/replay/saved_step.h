@@ -2,13 +2,37 @@
 // back end, and to time how long that takes.
 #pragma once
 
+#include <kedge/assembly/contact_border.h>
 #include <kedge/assembly/nodal_equations.h>
-#include <kedge/solvers/border.h>
 #include <string>
 
 namespace kedge
 {
-/// What a rank has of the system. The forces at its increment are those of `parts` (and inertia), `other` and `points`.
+/// Contact of a rank at the increments, to be evaluated again. Motions point into the trees, which follow each other.
+struct SavedContact
+{
+  ContactArrays arrays;
+  SurfaceMotions motions;
+  View<surface_tree::Node*> nodes;
+  View<surface_tree::Facet*> facets;
+  View<surface_tree::PartData*> parts;
+  View<float*> grids;
+  unsigned int keeps_multipliers = 0;   ///< 0 or 1
+  std::vector<unsigned int> rate_point; ///< of each unknown of the border (assembly/contact_border.h)
+  std::vector<double> rate_direction;   ///< 6 for each
+
+  std::vector<RigidRate> rates() const;
+};
+
+/// With copies of all that changes and of the trees.
+SavedContact save_contact(const ContactArrays& contact, const SurfaceMotions& motions, bool keeps_multipliers,
+                          const std::vector<RigidRate>& rates);
+
+/// Lets motions point into the trees that lie beside them.
+void point_into_trees(SavedContact& contact);
+
+/// What a rank has of the system. The forces at its increment are those of `parts` (and inertia), `other` and
+/// `contact`.
 struct SavedStep
 {
   unsigned int dim = 3;
@@ -19,7 +43,7 @@ struct SavedStep
   NodalMotion motion;
   NodalVector increment; ///< of the local nodes, m
   NodalVector other;     ///< on the owned dofs: weight and what else does not follow from the increment, N
-  PointForces points;    ///< of contact, at the increment
+  SavedContact contact;
   std::vector<double> columns, rows, corner; ///< of the border (solvers/border.h), column by column
   std::vector<double> rigid_side;            ///< the residual of the border's unknowns
   double elastic_share = 0., tolerance = 0.;

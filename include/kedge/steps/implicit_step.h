@@ -26,7 +26,7 @@ public:
 
   SoilIncrements soil_increments() const override;
   /// Of the solution: the loads of the soil on the bodies. Collective.
-  BodyLoads body_loads() const { return context.soil.contact().loads(context.bodies, body_increments); }
+  BodyLoads body_loads() const { return context.soil.contact().loads(); }
   const std::vector<Vector6>& rigid_increments() const { return body_increments; }
   std::vector<Vector6> reactions() const override;
   void move_bodies(RigidSystems& committed) const override;
@@ -73,7 +73,7 @@ private:
   double body_weight = 0., body_scale = 0., body_lever = 1.; ///< N, N, m: of residuals of free bodies
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
-  ActingPoints acting_points;           ///< of contact, at the last evaluation
+  PointForces acting_points;            ///< of contact, at the last evaluation
   RigidBalance balance;                 ///< at the last evaluation, where there are free dofs
 };
 } // namespace kedge

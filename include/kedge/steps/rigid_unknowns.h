@@ -1,10 +1,9 @@
 // The increments of free rigid points among the unknowns of a step.
 #pragma once
 
-#include <kedge/assembly/system.h>
+#include <kedge/assembly/contact_border.h>
 #include <kedge/bodies/rigid_balance.h>
 #include <kedge/contact/contact.h>
-#include <kedge/solvers/border.h>
 
 namespace kedge
 {
@@ -31,14 +30,18 @@ public:
   Eigen::VectorXd pick(const std::vector<Vector6>& increments) const;
   std::vector<Vector6> fill(std::vector<Vector6> increments, const Eigen::VectorXd& y) const;
 
+  /// How the bodies move while each free dof grows.
+  std::vector<RigidRate> rates(const std::vector<Vector6>& increments) const;
+
   /// Norm of the residuals of the free dofs over the weight (N) of the bodies; moments count over their weight times
   /// `lever` (m).
   double measure(const Eigen::VectorXd& residual, double weight, double lever) const;
 
   /// How y couples with u and with itself at the present increments: derivatives of the residuals (internal forces less
-  /// contact forces; the bodies' balance). Collective.
-  Border border(const RigidBalance& balance, const ContactCoupling& coupling, const PointForces& points,
-                const std::vector<Vector6>& increments, const System& system) const;
+  /// contact forces at the last evaluation; the bodies' balance). Collective.
+  template <int dim>
+  Border border(const RigidBalance& balance, const Contact<dim>& contact, const std::vector<Vector6>& increments,
+                const System& system) const;
 
   /// Springs (N/m, about an axis times `lever` squared, m) against every increment of y, in the tangent alone.
   void hold(Border& border, double stiffness, double lever) const;

@@ -273,17 +273,25 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   constexpr int dim = TypeParam::value;
   this->use(test::soil_material<Elastic>());
   const auto nodes = copy_to_host(this->block->parts->stencils.pattern_nodes);
-  PointForces points;
-  points.nodes = {nodes(0), nodes(1), nodes(2)};
-  points.weights = {0.5, 0.3, 0.2};
-  points.begin = {0, 3};
-  points.tangent.assign(9, 0.);
+  const std::vector<unsigned int> node = {nodes(0), nodes(1), nodes(2)};
+  const std::vector<double> weight = {0.5, 0.3, 0.2};
+  std::vector<double> point_tangent(9, 0.), point_force(3, 0.);
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int j = 0; j < dim; ++j)
-      points.tangent[3 * i + j] = -1. - i - 2. * j;
-  points.force.assign(3, 0.);
+      point_tangent[3 * i + j] = -1. - i - 2. * j;
+  const auto make_points = [&]
+  {
+    const auto list = [](const std::vector<unsigned int>& values) { return upload(values, "list"); };
+    return PointForces{list({0, 3}),
+                       list(node),
+                       upload(weight, "weights"),
+                       upload(point_force, "force"),
+                       upload(point_tangent, "tangent"),
+                       list({0}),
+                       1};
+  };
   this->system->clear_matrix();
-  add_point_tangents(gather_acting(points), -1., this->system->graph(), this->system->values());
+  add_point_tangents(make_points(), -1., this->system->graph(), this->system->values());
   this->system->finish_matrix();
 
   const auto field = this->block->random_field(1., 3);
@@ -292,9 +300,9 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int j = 0; j < dim; ++j)
       for (unsigned int v = 0; v < 3; ++v)
-        points.force[i] += points.tangent[3 * i + j] * points.weights[v] * d(dim * points.nodes[v] + j);
+        point_force[i] += point_tangent[3 * i + j] * weight[v] * d(dim * node[v] + j);
   const NodalVector force = this->system->make_nodal_vector();
-  add_point_forces(dim, gather_acting(points), -1., force);
+  add_point_forces(dim, make_points(), -1., force);
   TpetraVector expected(this->system->graph().row_map);
   this->system->collect(force, expected);
   expected.update(-1., this->times(this->block->parts->owned(*this->system, field)), 1.);
@@ -302,5 +310,5 @@ TYPED_TEST(TangentMatrix, SpringsAtPointsActThroughTheirWeights)
   double sum = 0.;
   for (std::size_t v = 0; v < copy_to_host(force).extent(0) / dim; ++v)
     sum += copy_to_host(force)(dim * v);
-  EXPECT_NEAR(sum, -points.force[0], 1e-13);
+  EXPECT_NEAR(sum, -point_force[0], 1e-13);
 }

@@ -9,7 +9,8 @@ TEST(DistanceGrid, BoundsTheDistanceFromBelow)
 {
   const auto from_sphere = [](const Eigen::Vector3d& x) { return x.norm() - 0.6; };
   const Eigen::Vector3d lower(-1., -1., -0.5), upper(1., 1., 2.);
-  const DistanceGrid grid(lower, upper, 8000, from_sphere);
+  const DistanceGrid whole(lower, upper, 8000, from_sphere);
+  const DistanceCells grid = whole.cells();
   std::mt19937 generator(1);
   std::uniform_real_distribution<double> share(0., 1.);
   double loosest = 0.;

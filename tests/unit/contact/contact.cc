@@ -80,7 +80,7 @@ TYPED_TEST(PressedBox, ActsOnTheSoilAsTheSoilActsOnIt)
   block.find_pairs();
   Vector6 step = test::translation(2e-3, dim == 3 ? 1e-3 : 0., -1e-3);
   step[4] = 1e-3;
-  const PointForces& points = block.evaluate(this->shaken, step);
+  const test::HostPointForces points = block.evaluate(this->shaken, step);
   Eigen::Vector3d force = Eigen::Vector3d::Zero(), moment = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < points.n_points(); ++i)
     for (unsigned int n = points.begin[i]; n < points.begin[i + 1]; ++n)
@@ -386,7 +386,7 @@ TYPED_TEST(PressedBox, CornersHangOnActiveNodesOnly)
     step.fill(hair);
     block.move_everything(step, Vector6::Zero());
     block.find_pairs();
-    const PointForces& points = block.evaluate_at_rest();
+    const test::HostPointForces points = block.evaluate_at_rest();
     for (const unsigned int node : points.nodes)
       ASSERT_LT(node, block.nodes.n_local()) << "hair " << hair;
     for (std::size_t i = 0; i < points.n_points(); ++i)

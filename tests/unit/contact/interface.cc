@@ -237,7 +237,7 @@ TYPED_TEST(Interface, ActsOnTheSoilAsTheSoilActsOnABondedBox)
   sum << force, moment;
   for (int i = 0; i < 6; ++i)
     sum[i] = sum_over_ranks(sum[i], MPI_COMM_WORLD);
-  const PointForces& points = block.contact.points_of_last_evaluation();
+  const test::HostPointForces points(block.contact.points_of_last_evaluation());
   Eigen::Vector3d on_nodes = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < points.n_points(); ++i)
     for (unsigned int d = 0; d < dim; ++d)

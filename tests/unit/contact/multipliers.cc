@@ -32,7 +32,7 @@ public:
   };
 
   /// Largest entry of any point's tangent over the normal stiffness.
-  static double largest_tangent(const PointForces& points)
+  static double largest_tangent(const test::HostPointForces& points)
   {
     double largest = 0.;
     for (const double entry : points.tangent)
@@ -56,7 +56,7 @@ TYPED_TEST(Multipliers, TangentsStayBoundedAtEdges)
     for (const double gap : {1e-3, 1e-5, 1e-7, 1e-9})
     {
       typename TestFixture::BesideEdge block(gap, friction);
-      const PointForces& points = block.evaluate_at_rest();
+      const test::HostPointForces points = block.evaluate_at_rest();
       EXPECT_GT(block.contact.n_active(), 0) << gap;
       EXPECT_LE(this->largest_tangent(points), 1.5) << gap; // pressure/(stiffness gap) where the normal turns
     }
@@ -68,10 +68,10 @@ TYPED_TEST(Multipliers, TangentsAreThoseOfTheForcesBesideEdges)
   for (const double friction : {0., 0.5})
   {
     typename TestFixture::BesideEdge block(1e-7, friction);
-    const PointForces first =
+    const test::HostPointForces first =
         block.evaluate([&](const auto& x, const unsigned int d) { return 1e-9 * this->wave(x, d); });
     constexpr double h = 1e-11;
-    const PointForces& second =
+    const test::HostPointForces second =
         block.evaluate([&](const auto& x, const unsigned int d) { return (1e-9 + h) * this->wave(x, d); });
     double worst = 0.;
     for (std::size_t i = 0; i < first.n_points(); ++i)
@@ -98,9 +98,9 @@ TYPED_TEST(Multipliers, NewcomersKeepTheirForceAsThePlaneReplacesTheSurface)
   block.contact.import_history({}, block.particles.ids());
   block.find_pairs(0.1);
   const auto press = [](const auto& x, const unsigned int d) { return d == TypeParam::value - 1 ? 3e-3 : 0.; };
-  const PointForces springs = block.evaluate(press);
+  const test::HostPointForces springs = block.evaluate(press);
   block.contact.augment(1.);
-  const PointForces& doubled = block.evaluate(press);
+  const test::HostPointForces doubled = block.evaluate(press);
   for (std::size_t i = 0; i < springs.force.size(); ++i)
     ASSERT_NEAR(doubled.force[i], 2. * springs.force[i], 1e-9 * block.normal_stiffness());
   block.contact.reset_multipliers();

@@ -7,6 +7,23 @@
 
 namespace kedge::test
 {
+/// What an evaluation of contact has returned, on the host.
+struct HostPointForces
+{
+  explicit HostPointForces(const PointForces& points)
+      : begin(download(points.begin)),
+        nodes(download(points.nodes)),
+        weights(download(points.weights)),
+        force(download(points.force)),
+        tangent(download(points.tangent))
+  {
+  }
+  std::size_t n_points() const { return begin.size() - 1; }
+
+  std::vector<unsigned int> begin, nodes;
+  std::vector<double> weights, force, tangent;
+};
+
 /// Soil of 4 (by 4) by 2 cells of 0.5 m with 2 particles per axis, its surface at 1 m. The box covers the middle of the
 /// surface, from 0.4 to 1.6 m along each horizontal axis unless told; corners of particles lie at multiples of 0.25 m.
 template <int dim> struct PressedBlock : SoilFixture<dim>
@@ -74,23 +91,22 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
   const Position& node_position(const unsigned int v) const { return mesh.leaves().node_position[nodes.mesh_node[v]]; }
 
   /// Evaluates for a displacement field of the soil and an increment of the box.
-  template <typename Field>
-  const PointForces& evaluate(const Field& field, const Vector6& box_increment = Vector6::Zero())
+  template <typename Field> HostPointForces evaluate(const Field& field, const Vector6& box_increment = Vector6::Zero())
   {
     increment.assign(dim * nodes.n_local(), 0.);
     for (unsigned int v = 0; v < nodes.n_local(); ++v)
       for (unsigned int d = 0; d < dim; ++d)
         increment[dim * v + d] = field(node_position(v), d);
     box_increments = {box_increment};
-    return contact.evaluate(bodies, box_increments, increment.data(), increment.size() / dim);
+    return HostPointForces(contact.evaluate(bodies, box_increments, upload(increment, "increment")));
   }
-  const PointForces& evaluate_at_rest()
+  HostPointForces evaluate_at_rest()
   {
     return evaluate([](const Position&, unsigned int) { return 0.; });
   }
 
   /// Force and moment of the soil on the box in the last evaluation.
-  Vector6 load() const { return contact.loads(bodies, box_increments)[0]; }
+  Vector6 load() const { return contact.loads()[0]; }
 
   /// Moves soil and box by the same displacement.
   void move_everything(const Position& displacement, const Vector6& box_increment)

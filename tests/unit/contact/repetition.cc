@@ -35,8 +35,8 @@ TYPED_TEST(RepeatedContact, ForgetsEarlierEvaluationsOfTheStep)
     { return 1e-3 * std::sin(3. * x[0] + 5. * d) + (d == dim - 1 ? motion.soil : 0.); };
     test::PressedBlock<dim> fresh(0.3, -3e-2);
     fresh.find_pairs(0.3);
-    const PointForces& expected = fresh.evaluate(field, step);
-    const PointForces& points = block.evaluate(field, step);
+    const test::HostPointForces expected = fresh.evaluate(field, step);
+    const test::HostPointForces points = block.evaluate(field, step);
     EXPECT_EQ(points.force, expected.force);
     EXPECT_EQ(points.tangent, expected.tangent);
     EXPECT_EQ(block.contact.n_active(), fresh.contact.n_active());

@@ -112,6 +112,6 @@ TEST(ContactSearch, KnowsThatTheSoilMoves)
     block.bodies.surfaces.push_back({Surface(test::box({-0.8, -0.8, -0.05}, {0.8, 0.8, 0.})), 0});
     block.set_velocities([&](const Eigen::Vector3d&) { return Eigen::Vector3d(0., 0., velocity); });
     ImplicitStep<3> step(block.context());
-    EXPECT_EQ(block.contact.points_of_last_evaluation().n_points() > 0, velocity < 0.);
+    EXPECT_EQ(block.contact.points_of_last_evaluation().n() > 0, velocity < 0.);
   }
 }

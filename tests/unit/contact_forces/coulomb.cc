@@ -1,6 +1,6 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
-#include <kedge/contact/coulomb.h>
+#include <kedge/contact_forces/coulomb.h>
 #include <random>
 #include <string>
 #include <tuple>

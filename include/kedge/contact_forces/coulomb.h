@@ -17,6 +17,11 @@ struct ContactStiffness
   TangentialLimit limit = TangentialLimit::friction;
 };
 
+KEDGE_FUNCTION double stiffest(const ContactStiffness& stiffness)
+{
+  return stiffness.normal > stiffness.tangential ? stiffness.normal : stiffness.tangential;
+}
+
 /// Where a soil point is relative to a body, and how it got there.
 struct ContactGeometry
 {

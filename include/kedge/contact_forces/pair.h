@@ -1,0 +1,76 @@
+// A corner of a particle's domain and a surface that it may touch, as host and kernels know them: plain data.
+#pragma once
+
+#include <cstdint>
+#include <kedge/bodies/frame.h>
+#include <kedge/bodies/triangle_tree.h>
+#include <kedge/contact_forces/coulomb.h>
+#include <limits>
+#include <tuple>
+
+namespace kedge
+{
+struct ContactKey
+{
+  long long particle;
+  std::uint32_t corner, surface;
+  bool operator<(const ContactKey& other) const
+  {
+    return std::tie(particle, corner, surface) < std::tie(other.particle, other.corner, other.surface);
+  }
+};
+
+struct ContactHistory
+{
+  Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
+  double reference_gap = 0.;                            ///< m
+  double multiplier = 0.;                               ///< of the normal force, N
+  bool bonded = false;                                  ///< also carries tension
+  double pressure = 0.;                                 ///< normal force, N; below 0 only where bonded
+};
+
+struct ContactPair
+{
+  ContactKey key;
+  unsigned int point;    ///< of PointForces
+  Eigen::Vector3d start; ///< corner at the start of the step, m
+  ContactStiffness stiffness;
+  double size = 0.;   ///< of the particle, m
+  bool bonds = false; ///< whether the surface is one that bonds what touches it
+  ContactHistory committed, trial;
+  /// Multipliers in use and from the last evaluation, axes as at the start of the step.
+  ContactHistory augmented, proposed;
+  double gap = std::numeric_limits<double>::infinity(); ///< signed distance in the last evaluation
+  double reference_gap = 0.;                            ///< in the last evaluation: faded
+  Eigen::Vector3d fading = Eigen::Vector3d::Zero();     ///< d reference gap / d place of the body
+  Eigen::Vector3d carried = Eigen::Vector3d::Zero();    ///< the corner's start, moved with the body, m
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
+  Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
+  KnownDistance known;                                  ///< in the body's frame
+  bool on_plane = false;                                ///< a plane stands for the surface
+  /// That touches the surface, with the gap of the corner at the start of the step; in the body's frame.
+  ClosestPoint plane;
+  bool active = false;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
+};
+
+/// What evaluations need of a pair that is far from touching, so that they leave it alone.
+struct ContactRest
+{
+  unsigned int surface;
+  bool asleep;      ///< the last response is that of a pair that touches nothing
+  double lever;     ///< distance of the corner from the body's origin at the start of the step, m
+  double clearance; ///< m that they may go against each other, from the start of the step, without touching
+};
+
+/// A surface, and where its body is before and after the increments of an evaluation.
+struct SurfaceMotion
+{
+  TriangleTree tree;
+  Frame before, now;
+  double shift, turn;       ///< the body takes a corner that goes with it at most shift + turn * lever far, m
+  unsigned int rigid_point; ///< of the body
+};
+} // namespace kedge

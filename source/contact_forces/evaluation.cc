@@ -1,0 +1,272 @@
+// Forces of all pairs for given motions of soil and bodies.
+#include <cmath>
+#include <kedge/base/world_axes.h>
+#include <kedge/contact_forces/evaluation.h>
+
+namespace kedge
+{
+namespace
+{
+using Policy = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// What a metre of a body's motion takes off the reference gaps of corners that were inside it at the start: over four
+/// times their depth they fade, slowly enough for the soil to give way.
+constexpr double fading_per_distance = 0.25;
+
+/// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
+/// there is what the last solution has left of the distance.
+constexpr double on_surface = 0.05;
+
+/// Pairs respond from this distance on, in sizes of the particle, so that they have a slip before they touch.
+constexpr double wakes_before = 0.1;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+KEDGE_FUNCTION double larger(const double a, const double b) { return a > b ? a : b; }
+KEDGE_FUNCTION double smaller(const double a, const double b) { return a < b ? a : b; }
+
+KEDGE_FUNCTION Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
+{
+  switch (closest.feature)
+  {
+    case Feature::edge:
+      return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
+    case Feature::vertex:
+      return Eigen::Matrix3d::Identity();
+    case Feature::face:
+      break;
+  }
+  return closest.normal * closest.normal.transpose();
+}
+
+/// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
+KEDGE_FUNCTION void put_to_rest(const ContactPair& pair, const SurfaceMotion& surface, ContactRest& rest)
+{
+  const bool remembers = pair.committed.bonded || pair.committed.multiplier != 0. ||
+                         pair.committed.reference_gap != 0. || pair.augmented.multiplier != 0.;
+  rest.asleep = !(pair.active || remembers || pair.gap < infinity);
+  if (rest.asleep)
+    rest.clearance = larger(rest.clearance, surface.tree.least_gap(surface.now.to_body(pair.position), pair.known) -
+                                                pair.slip.norm() - wakes_before * pair.size);
+}
+
+/// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
+///
+/// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
+/// pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to facet, and
+/// a multiplier presses on however near the surface is, while the normal at an edge turns by 1/distance.
+KEDGE_FUNCTION bool find_closest(ContactPair& pair, const SurfaceMotion& surface, const Eigen::Vector3d& x,
+                                 const double distance, ClosestPoint& closest)
+{
+  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0. || pair.committed.reference_gap > 0.))
+  {
+    KnownDistance nothing;
+    pair.on_plane = surface.tree.find_within(surface.before.to_body(pair.start), infinity, nothing, pair.plane);
+    if (std::fabs(pair.plane.gap) < on_surface * pair.size)
+      pair.plane.normal = pair.plane.pseudo_normal;
+  }
+  if (!pair.on_plane)
+    return surface.tree.find_within(x, distance, pair.known, closest);
+  closest = pair.plane;
+  closest.gap += closest.normal.dot(pair.slip);
+  closest.feature = Feature::face;
+  return true;
+}
+
+/// Lets the true surface come to meet the soil while the body moves; `carried` is where the body takes the place of the
+/// corner's start, m.
+KEDGE_FUNCTION void fade(ContactPair& pair, const Eigen::Vector3d& carried)
+{
+  const double first = pair.committed.reference_gap, distance = (carried - pair.start).norm();
+  const double side = first < 0. ? 1. : -1.;
+  pair.carried = carried;
+  pair.reference_gap = side * smaller(0., side * first + fading_per_distance * distance);
+  if (pair.reference_gap != 0. && distance > 0.)
+    pair.fading = side * fading_per_distance / distance * (carried - pair.start);
+}
+
+/// Forces and trial history of a pair at its position, its body having moved.
+KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, const bool keeps_multipliers)
+{
+  // a corner that touches nothing keeps no history and no multiplier
+  const Frame &before = surface.before, &now = surface.now;
+  pair.active = false;
+  pair.force.setZero();
+  pair.gap = infinity;
+  pair.fading.setZero();
+  pair.trial = ContactHistory();
+  pair.proposed = pair.augmented;
+  pair.proposed.multiplier = 0.;
+  pair.proposed.tangential.setZero();
+
+  const bool bonded = pair.committed.bonded;
+  const Eigen::Vector3d x = now.to_body(pair.position);
+  pair.slip = x - before.to_body(pair.start); // as the body sees it
+  pair.reference_gap = pair.committed.reference_gap;
+  if (!bonded && pair.reference_gap != 0.) // most have none
+    fade(pair, now.to_world(before.to_body(pair.start)));
+  // up to where the multiplier and the reference press
+  const double held_off = pair.augmented.multiplier / pair.stiffness.normal + larger(0., pair.reference_gap);
+  ClosestPoint closest;
+  if (!find_closest(pair, surface, x, held_off, closest))
+    return;
+  pair.gap = closest.gap;
+  if (!pair.on_plane)
+  {
+    pair.plane = closest;
+    pair.plane.gap -= closest.normal.dot(pair.slip);
+  }
+
+  ContactGeometry at;
+  at.distance = closest.gap;
+  at.gap = closest.gap - pair.reference_gap;
+  at.normal = now.direction_to_world(closest.normal);
+  at.normal_subspace = now.rotation * normal_subspace(closest) * now.rotation.transpose();
+  at.slip = now.direction_to_world(pair.slip - pair.slip_begin);
+  const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
+
+  const ContactResponse response = respond_to_contact(at, pair.stiffness, previous, pair.augmented.multiplier, bonded);
+  pair.active = response.active;
+  pair.force = response.force;
+  pair.tangent = response.tangent;
+  pair.normal = at.normal;
+  pair.trial.tangential = response.tangential;
+  pair.trial.pressure = response.active ? response.force.dot(at.normal) : 0.;
+  // a corner that comes out of its first penetration finds the true surface when it returns
+  pair.trial.reference_gap =
+      response.active ? pair.reference_gap : smaller(0., larger(pair.reference_gap, closest.gap));
+  pair.trial.bonded = bonded || (pair.bonds && response.active);
+  if (response.active && keeps_multipliers)
+  {
+    const double pressure = pair.proposed.multiplier = response.force.dot(at.normal);
+    if (pair.trial.bonded) // from now on the spring alone carries what the multiplier does
+      pair.trial.reference_gap = closest.gap + pressure / pair.stiffness.normal;
+    else
+      pair.trial.multiplier = pressure;
+  }
+  pair.proposed.tangential = before.direction_to_world(now.direction_to_body(response.tangential));
+}
+
+/// Largest displacement of a node, m: no point between nodes goes farther.
+double largest_displacement(const unsigned int dim, const View<double*>& increment)
+{
+  double squared = 0.;
+  Kokkos::parallel_reduce(
+      "largest displacement", Policy(0, increment.extent(0) / dim),
+      KOKKOS_LAMBDA(const std::size_t v, double& largest) {
+        double sum = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          sum += increment(dim * v + d) * increment(dim * v + d);
+        largest = larger(largest, sum);
+      },
+      Kokkos::Max<double>(squared));
+  return std::sqrt(squared);
+}
+
+/// Of one point after the other: pairs and forces.
+template <int dim> struct EvaluatePoint
+{
+  ContactArrays contact;
+  SurfaceMotions surfaces;
+  View<double*> increment;
+  double farthest; ///< that any point goes, m
+  bool keeps_multipliers;
+
+  KEDGE_FUNCTION double left(const ContactRest& rest) const
+  {
+    const SurfaceMotion& surface = surfaces(rest.surface);
+    return rest.clearance - surface.shift - surface.turn * rest.lever;
+  }
+
+  KEDGE_FUNCTION void clear(const unsigned int i) const
+  {
+    for (unsigned int k = 0; k < 3; ++k)
+      contact.points.force(3 * i + k) = 0.;
+    for (unsigned int k = 0; k < 9; ++k)
+      contact.points.tangent(9 * i + k) = 0.;
+  }
+
+  KEDGE_FUNCTION void add(const ContactPair& pair, const unsigned int i) const
+  {
+    for (int d = 0; d < dim; ++d)
+    {
+      contact.points.force(3 * i + d) += pair.force[world_axis(dim, d)];
+      for (int e = 0; e < dim; ++e)
+        contact.points.tangent(9 * i + 3 * d + e) += pair.tangent(world_axis(dim, d), world_axis(dim, e));
+    }
+  }
+
+  KEDGE_FUNCTION void operator()(const unsigned int i) const
+  {
+    const unsigned int begin = contact.pair_begin(i), end = contact.pair_begin(i + 1);
+    bool all_far = !contact.acts(i);
+    for (unsigned int k = begin; all_far && k < end; ++k)
+      all_far = contact.rests(k).asleep && farthest < left(contact.rests(k));
+    if (all_far)
+      return;
+    if (contact.acts(i))
+      clear(i);
+    const Eigen::Vector3d displacement = point_displacement<dim>(contact.points, increment, i);
+    bool acts = false;
+    for (unsigned int k = begin; k < end; ++k)
+    {
+      ContactRest& rest = contact.rests(k);
+      if (rest.asleep && displacement.norm() < left(rest))
+        continue; // as its last response has left it: it touches nothing
+      ContactPair& pair = contact.pairs(k);
+      const SurfaceMotion& surface = surfaces(rest.surface);
+      pair.position = pair.start + displacement;
+      respond(pair, surface, keeps_multipliers);
+      put_to_rest(pair, surface, rest);
+      if (!pair.active)
+        continue;
+      acts = true;
+      add(pair, i);
+    }
+    contact.acts(i) = acts;
+  }
+};
+
+/// Lists the points whose pairs act.
+void list_acting(ContactArrays& contact)
+{
+  const View<unsigned char*> acts = contact.acts;
+  const View<unsigned int*> acting = contact.points.acting;
+  unsigned int n = 0;
+  Kokkos::parallel_scan(
+      "acting points", Policy(0, acts.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i, unsigned int& count, const bool is_last) {
+        if (!acts(i))
+          return;
+        if (is_last)
+          acting(count) = i;
+        ++count;
+      },
+      n);
+  contact.points.n_acting = n;
+}
+} // namespace
+
+void make_room(ContactArrays& contact)
+{
+  PointForces& points = contact.points;
+  const std::size_t n = points.begin.extent(0) > 0 ? points.begin.extent(0) - 1 : 0;
+  contact.acts = View<unsigned char*>("acts", n);
+  points.force = View<double*>("point forces", 3 * n);
+  points.tangent = View<double*>("point tangents", 9 * n);
+  points.acting = View<unsigned int*>(Kokkos::view_alloc("acting points", Kokkos::WithoutInitializing), n);
+  points.n_acting = 0;
+}
+
+void evaluate_contact(const unsigned int dim, ContactArrays& contact, const SurfaceMotions& surfaces,
+                      const View<double*>& increment, const bool keeps_multipliers)
+{
+  const double farthest = largest_displacement(dim, increment);
+  const Policy all(0, contact.points.n());
+  if (dim == 2)
+    Kokkos::parallel_for("contact", all, EvaluatePoint<2>{contact, surfaces, increment, farthest, keeps_multipliers});
+  else
+    Kokkos::parallel_for("contact", all, EvaluatePoint<3>{contact, surfaces, increment, farthest, keeps_multipliers});
+  list_acting(contact);
+}
+} // namespace kedge
