@@ -9,6 +9,49 @@ namespace
 using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 } // namespace
 
+PointForces gather_acting(const PointForces& points)
+{
+  const std::size_t n = points.n_acting;
+  const auto uninitialised = [](const std::string& label)
+  { return Kokkos::view_alloc(label, Kokkos::WithoutInitializing); };
+  const PointForces all = points;
+  PointForces gathered;
+  gathered.n_acting = n;
+  gathered.begin = View<unsigned int*>(uninitialised("point begin"), n + 1);
+  unsigned int n_nodes = 0;
+  const View<unsigned int*> begin = gathered.begin;
+  Kokkos::parallel_scan(
+      "nodes of acting points", Policy(0, n + 1),
+      KOKKOS_LAMBDA(const std::size_t k, unsigned int& sum, const bool is_last) {
+        if (is_last)
+          begin(k) = sum;
+        if (k < n)
+          sum += all.begin(all.acting(k) + 1) - all.begin(all.acting(k));
+      },
+      n_nodes);
+  gathered.nodes = View<unsigned int*>(uninitialised("point nodes"), n_nodes);
+  gathered.weights = View<double*>(uninitialised("point weights"), n_nodes);
+  gathered.force = View<double*>(uninitialised("point forces"), 3 * n);
+  gathered.tangent = View<double*>(uninitialised("point tangents"), 9 * n);
+  gathered.acting = View<unsigned int*>(uninitialised("acting points"), n);
+  const PointForces to = gathered;
+  Kokkos::parallel_for(
+      "gather acting points", Policy(0, n), KOKKOS_LAMBDA(const std::size_t k) {
+        const unsigned int i = all.acting(k), from = all.begin(i);
+        for (unsigned int v = to.begin(k); v < to.begin(k + 1); ++v)
+        {
+          to.nodes(v) = all.nodes(from + v - to.begin(k));
+          to.weights(v) = all.weights(from + v - to.begin(k));
+        }
+        for (unsigned int c = 0; c < 3; ++c)
+          to.force(3 * k + c) = all.force(3 * i + c);
+        for (unsigned int c = 0; c < 9; ++c)
+          to.tangent(9 * k + c) = all.tangent(9 * i + c);
+        to.acting(k) = k;
+      });
+  return gathered;
+}
+
 void add_point_forces(const unsigned int dim, const PointForces& points, const double sign, const NodalVector& force)
 {
   Kokkos::parallel_for(

@@ -45,7 +45,7 @@ template <int dim>
 void NodalEquations<dim>::linearise(const NodalVector& increment, const PointForces& points, const double elastic_share)
 {
   const auto scope = timings.measure("tangent");
-  acting_points = points;
+  acting_points = gather_acting(points);
   damping = elastic_share;
   ghost_derivative = linearise_ghost<dim>(data.ghost_faces, increment);
   if (!factorises)

@@ -6,6 +6,9 @@
 
 namespace kedge
 {
+/// Only the points that act, next to each other in memory: for products, which read them many times.
+PointForces gather_acting(const PointForces& points);
+
 /// Adds sign * weight * force of every point to the nodal vector `force` (N).
 void add_point_forces(unsigned int dim, const PointForces& points, double sign, const NodalVector& force);
 
