@@ -1,6 +1,7 @@
 #include <cmath>
 #include <kedge/assembly/acting_points.h>
 #include <kedge/assembly/kernels.h>
+#include <kedge/base/groups.h>
 
 namespace kedge
 {
@@ -98,29 +99,48 @@ void add_point_products(const unsigned int dim, const PointForces& points, const
       });
 }
 
+namespace
+{
+/// Of one point: its nodes' rows are shared by the threads of a group.
+struct PointTangent
+{
+  PointForces points;
+  double sign;
+  unsigned int dim;
+  View<std::size_t*> row_begin;
+  View<unsigned int*> column;
+  View<double*> values;
+
+  KEDGE_FUNCTION void operator()(const GroupMember& group, double*, const unsigned int k) const
+  {
+    const unsigned int i = points.acting(k), first = points.begin(i), n = points.begin(i + 1) - first;
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n),
+                         [&](const unsigned int a)
+                         {
+                           for (unsigned int b = 0; b < n; ++b)
+                             add(&points.tangent(9 * i), first + a, first + b);
+                         });
+  }
+
+  /// The block of two of its nodes, by their places in the list.
+  KEDGE_FUNCTION void add(const double* tangent, const unsigned int a, const unsigned int b) const
+  {
+    const unsigned int row_node = points.nodes(a);
+    const std::size_t begin = row_begin(row_node), length = row_begin(row_node + 1) - begin;
+    const std::size_t position = find_entry_or_diagonal(row_begin, column, row_node, points.nodes(b)) - begin;
+    double* const row = &values(std::size_t(dim) * dim * begin);
+    const double factor = sign * points.weights(a) * points.weights(b);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int e = 0; e < dim; ++e)
+        add_to(row[dim * (c * length + position) + e], factor * tangent[3 * c + e]);
+  }
+};
+} // namespace
+
 void add_point_tangents(const PointForces& points, const double sign, const NodeGraph& graph,
                         const View<double*>& values)
 {
-  const unsigned int dim = graph.dim;
-  const View<std::size_t*> row_begin = graph.row_begin;
-  const View<unsigned int*> column = graph.column;
-  Kokkos::parallel_for(
-      "point tangents", Policy(0, points.n_acting), KOKKOS_LAMBDA(const std::size_t k) {
-        const unsigned int i = points.acting(k);
-        for (unsigned int a = points.begin(i); a < points.begin(i + 1); ++a)
-        {
-          const unsigned int row_node = points.nodes(a);
-          const std::size_t begin = row_begin(row_node), length = row_begin(row_node + 1) - begin;
-          double* const row = &values(std::size_t(dim) * dim * begin);
-          for (unsigned int b = points.begin(i); b < points.begin(i + 1); ++b)
-          {
-            const std::size_t position = find_entry_or_diagonal(row_begin, column, row_node, points.nodes(b)) - begin;
-            const double factor = sign * points.weights(a) * points.weights(b);
-            for (unsigned int c = 0; c < dim; ++c)
-              for (unsigned int e = 0; e < dim; ++e)
-                add_to(row[dim * (c * length + position) + e], factor * points.tangent(9 * i + 3 * c + e));
-          }
-        }
-      });
+  for_each_in_groups("point tangents", points.n_acting, 0,
+                     PointTangent{points, sign, graph.dim, graph.row_begin, graph.column, values});
 }
 } // namespace kedge

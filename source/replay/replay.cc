@@ -1,4 +1,3 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <kedge/base/failure.h>
 #include <kedge/replay/replay.h>
 #include <kedge/solvers/linear_solver.h>
+#include <kedge/solvers/scaled_factors.h>
 
 namespace kedge
 {
@@ -189,7 +189,7 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   if (n_rigid > 0)
   {
     add_columns(border, -1., rigid_solution, left);
-    add_columns(border, -1., border.corner.partialPivLu().solve(rigid_side), side);
+    add_columns(border, -1., ScaledFactors(border.corner).solve(rigid_side), side);
   }
   report.solution_residual = left.norm2() / side.norm2();
   return report;

@@ -135,7 +135,8 @@ struct LinearSolver::Implementation
     return report;
   }
 
-  /// GMRES, which holds all vectors of its basis from its start. A short basis nearly always suffices.
+  /// GMRES, which holds all vectors of its basis from its start. A short basis nearly always suffices; it also holds
+  /// what the preconditioner makes of each vector (flexible GMRES), so that the solution needs no more of either.
   LinearReport solve_krylov(const TpetraVector& b, TpetraVector& x, const double tolerance,
                             const unsigned int max_iterations) const
   {
@@ -148,7 +149,8 @@ struct LinearSolver::Implementation
     return report;
   }
 
-  /// Goes on from x, and adds to the report. Returns false if that makes no sense again.
+  /// Goes on from x, which is zero in a report of no iterations, and adds to the report. Returns false if that makes no
+  /// sense again.
   bool iterate(const TpetraVector& b, TpetraVector& x, const double tolerance, const unsigned int basis,
                const unsigned int max_iterations, LinearReport& report) const
   {
@@ -156,8 +158,11 @@ struct LinearSolver::Implementation
         eliminated.is_null() ? system.product : eliminated, Teuchos::rcpFromRef<MultiVector>(x),
         Teuchos::rcpFromRef<const MultiVector>(b)));
     problem->setRightPrec(hierarchy);
+    if (report.iterations == 0)
+      problem->setInitResVec(Teuchos::rcpFromRef<const MultiVector>(b));
     problem->setProblem();
     const auto list = Teuchos::parameterList();
+    list->set("Flexible Gmres", basis <= short_basis);
     list->set("Maximum Iterations", static_cast<int>(max_iterations));
     list->set("Num Blocks", static_cast<int>(basis));
     list->set("Convergence Tolerance", tolerance);
