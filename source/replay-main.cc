@@ -73,6 +73,7 @@ int run_program(const kedge::Environment& environment, const int argc, char** ar
   const kedge::ReplayReport report = kedge::replay_step(path, options);
   const bool agrees = report.residual_difference <= residual_limit && report.border_difference <= border_limit &&
                       report.product_difference <= product_limit &&
+                      report.whole_difference.value_or(0.) <= product_limit &&
                       report.solution_residual <= tolerance_factor * report.tolerance;
   const std::string copying = parts_that_copy(report);
   if (environment.rank() == 0)

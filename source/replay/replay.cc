@@ -29,6 +29,9 @@ template <typename Work> double shortest(const unsigned int repetitions, const M
   return best;
 }
 
+/// Unknowns up to which systems may be factorised, so that the whole matrix is assembled, too.
+constexpr long long most_factorised = 20000;
+
 /// Largest difference over the largest entry of what was saved.
 double difference(const std::vector<double>& found, const std::vector<double>& saved, const MPI_Comm communicator)
 {
@@ -138,6 +141,15 @@ template <int dim> ReplayReport replay(SavedStep& step, const ReplayOptions& opt
   report.product_difference = difference(values_of(product), step.product, communicator);
   say("differs by {:.2g} from what was saved", report.product_difference);
 
+  if (report.n_dofs <= most_factorised)
+  {
+    Teuchos::RCP<TpetraMatrix> whole;
+    time("whole matrix", [&] { whole = equations->assemble_whole(); });
+    whole->apply(*vectors_of(step.solution, system.graph().row_map, 1), product);
+    report.whole_difference = difference(values_of(product), step.product, communicator);
+    say("differs by {:.2g} from what was saved", *report.whole_difference);
+  }
+
   const double matrix = time("matrix", [&] { linear.near(); });
   const Eigen::VectorXd rigid_side = Eigen::Map<const Eigen::VectorXd>(step.rigid_side.data(), n_rigid);
   TpetraVector solution(system.graph().row_map);
@@ -222,7 +234,7 @@ std::string format_replay(const ReplayReport& report, const std::string& back_en
       hierarchy = part.seconds;
     else if (part.name == "renewal")
       renewal = part.seconds;
-    else if (part.name != "sparsity" && part.name != "product")
+    else if (part.name != "sparsity" && part.name != "product" && part.name != "whole matrix")
       both += part.seconds;
     text += fmt::format("{:<12}{:>12.4g}{:>18.4g}{:>12.4g}  {}\n", part.name, part.seconds,
                         1e9 * part.seconds / report.n_particles, 1e-6 * part.copied_bytes, part.remark);
@@ -234,6 +246,8 @@ std::string format_replay(const ReplayReport& report, const std::string& back_en
                         remark);
   text += fmt::format("difference from what was saved: residual {:.2g}, product {:.2g}, border {:.2g}\n",
                       report.residual_difference, report.product_difference, report.border_difference);
+  if (report.whole_difference)
+    text += fmt::format("product with the whole matrix {:.2g}\n", *report.whole_difference);
   text += fmt::format("linear residual {:.2g} for a tolerance of {:.2g}\n", report.solution_residual, report.tolerance);
   for (const ReplayedPart& part : report.parts)
     if (!part.profile.kernels.empty())

@@ -3,6 +3,7 @@
 
 #include <kedge/replay/kernel_profile.h>
 #include <kedge/replay/saved_step.h>
+#include <optional>
 
 namespace kedge
 {
@@ -31,8 +32,9 @@ struct ReplayReport
   long long n_particles = 0, n_dofs = 0; ///< of all ranks
   std::vector<ReplayedPart> parts;
   double residual_difference = 0., product_difference = 0., border_difference = 0.;
-  double solution_residual = 0.; ///< of the linear system, relative
-  double tolerance = 0.;         ///< what that may be
+  std::optional<double> whole_difference; ///< of the product with the matrix that is factorised, in small systems
+  double solution_residual = 0.;          ///< of the linear system, relative
+  double tolerance = 0.;                  ///< what that may be
   unsigned int linear_iterations = 0;
 };
 
