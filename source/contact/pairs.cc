@@ -147,8 +147,10 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     most_pairs += near.size() << dim;
     near_bodies.emplace_back(p, std::move(near));
   }
+  arrays = {};
   if (most_pairs > pairs.size())
   {
+    pairs = {};                                                                     // its memory first
     pairs = SharedArray<ContactPair>("contact pairs", most_pairs + most_pairs / 4); // so that the next steps find room
     rests = SharedArray<ContactRest>("contact rests", pairs.size());
   }
@@ -194,7 +196,6 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   }
   pair_begin.push_back(n_pairs);
 
-  arrays = {};
   arrays.pair_begin = upload(pair_begin, "pair begin");
   arrays.points.begin = upload(points.begin, "point begin");
   arrays.points.nodes = upload(points.nodes, "point nodes");

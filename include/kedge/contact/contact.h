@@ -166,7 +166,7 @@ private:
   std::size_t n_rigid_points = 0;
   std::map<ContactKey, ContactHistory> history;
   std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them
-  std::map<ContactKey, ContactHistory>
-      waiting; ///< that of particles that the last search did not see: outside the window
+  /// That of particles that the last search did not see: outside the window.
+  std::map<ContactKey, ContactHistory> waiting;
 };
 } // namespace kedge
