@@ -11,7 +11,7 @@ template <int dim> struct DeformationKernel
   View<double*> increment;
 
   /// So many particles find their principal frames together, on the host in the lanes of vector registers.
-  static constexpr int width = dim == 3 && std::is_same<MemorySpace, Kokkos::HostSpace>::value ? 4 : 1;
+  static constexpr int width = dim == 3 && device_is_host ? 4 : 1;
 
   KEDGE_FUNCTION void operator()(const std::size_t batch) const
   {

@@ -1,7 +1,6 @@
 // Finite elements with the mean moduli of their soil.
-#include <kedge/assembly/kernels.h>
-#include <kedge/assembly/lanes.h>
 #include <kedge/assembly/linearised_force.h>
+#include <kedge/assembly/principal_moduli.h>
 #include <kedge/base/groups.h>
 
 namespace kedge
@@ -12,7 +11,9 @@ namespace
 /// mean gradient.
 template <int dim> struct ElementMemory
 {
-  static constexpr int set = dim * Lanes<dim>::size, n_moduli = dim * dim * set, n_terms = 3 * set, n_of_node = 3 * dim;
+  using Row = typename Lanes<dim>::Type;
+  static constexpr int lanes = Lanes<dim>::size, n_moduli = dim * dim * dim * lanes, n_terms = 3 * dim * lanes,
+                       n_of_node = 3 * dim;
   double *moduli, *terms, *of_nodes;
 
   KEDGE_FUNCTION explicit ElementMemory(double* const memory)
@@ -20,6 +21,10 @@ template <int dim> struct ElementMemory
   {
   }
   static std::size_t size(const unsigned int max_nodes) { return n_moduli + n_terms + n_of_node * max_nodes; }
+  KEDGE_FUNCTION Eigen::Map<Row> term(const int t, const int m) const
+  {
+    return Eigen::Map<Row>(terms + lanes * (dim * t + m));
+  }
   /// Component i of term t.
   KEDGE_FUNCTION double& of_node(const unsigned int v, const int t, const int i) const
   {
@@ -38,7 +43,7 @@ template <int dim> struct ElementKernel
 
   using Memory = ElementMemory<dim>;
   using Row = typename Lanes<dim>::Type;
-  static constexpr int lanes = Lanes<dim>::size, set = dim * lanes, n_places = 1 << dim;
+  static constexpr int lanes = Lanes<dim>::size, n_places = 1 << dim;
 
   KEDGE_FUNCTION void operator()(const GroupMember& group, double* const room, const unsigned int e) const
   {
@@ -55,32 +60,44 @@ template <int dim> struct ElementKernel
                          [&](const unsigned int a) { add_row(memory, first, n, a, modulus, spring); });
   }
 
+  /// A_imkl in row (l dim + k) dim + m.
   KEDGE_FUNCTION void average_moduli(const GroupMember& group, const unsigned int e, const Memory& memory) const
   {
-    constexpr int n_rows = dim * dim * dim;
-    using Stored = Eigen::Map<Row>;
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n_rows),
-                         [&](const int row) { Stored(memory.moduli + lanes * row).setZero(); });
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, Memory::n_moduli),
+                         [&](const int entry) { memory.moduli[entry] = 0.; });
     for (unsigned int i = elements.part_begin(e); i < elements.part_begin(e + 1); ++i)
     {
       const double share = elements.share(i) / n_places;
-      const float* moduli = &derivative.moduli(elements.particle(i), 0);
-      Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, n_rows), [&](const int row)
-                           { Stored(memory.moduli + lanes * row) += share * Lanes<dim>::read(moduli + lanes * row); });
+      const PrincipalModuli<dim> moduli(&derivative.moduli(elements.particle(i), 0));
+      Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, dim),
+                           [&](const int k) { moduli.add_moduli(k, share, memory.moduli); });
     }
   }
 
-  /// Those of group c of F-bar; zeros without one.
+  /// Of group c of F-bar, on the axes of space: its particles' stress, volume and dilation, row by row in lanes; zeros
+  /// without a group.
   KEDGE_FUNCTION void sum_terms(const GroupMember& group, const int c, const Memory& memory) const
   {
     const unsigned int begin = c < 0 ? 0 : cells.particle_begin(c), end = c < 0 ? 0 : cells.particle_begin(c + 1);
-    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, Memory::n_terms), // of which `volume` once
-                         [&](const int i)
+    Kokkos::parallel_for(Kokkos::ThreadVectorRange(group, dim),
+                         [&](const int m)
                          {
-                           double sum = 0.;
+                           Row stress = Row::Zero(), volume = Row::Zero(), dilation = Row::Zero();
                            for (unsigned int p = begin; p < end; ++p)
-                             sum += derivative.cell(p, i);
-                           memory.terms[i] = sum;
+                           {
+                             const PrincipalModuli<dim> moduli(&derivative.moduli(p, 0));
+                             const CellModuli<dim> of_cell(&derivative.cell(p, 0));
+                             for (int r = 0; r < dim; ++r)
+                             {
+                               const Row dyad = moduli.dyad(r, m);
+                               stress += of_cell.stress(r) * dyad;
+                               volume += of_cell.volume() * dyad;
+                               dilation += of_cell.dilation(r) * dyad;
+                             }
+                           }
+                           memory.term(0, m) = stress;
+                           memory.term(1, m) = volume;
+                           memory.term(2, m) = dilation;
                          });
   }
 
@@ -107,7 +124,7 @@ template <int dim> struct ElementKernel
     }
   }
 
-  /// Of node v, term t: sum over places and m of grad_m of the node times entry m, i of the term; i, m for t = 2.
+  /// Of node v, term t: sum over places and m of grad_m of the node times entry m, i of the term.
   KEDGE_FUNCTION void contract(const Memory& memory, const unsigned int first, const unsigned int n,
                                const unsigned int v) const
   {
@@ -120,7 +137,7 @@ template <int dim> struct ElementKernel
       {
         double sum = 0.;
         for (int m = 0; m < dim; ++m)
-          sum += memory.terms[set * t + (t < 2 ? lanes * m + i : lanes * i + m)] * g[m];
+          sum += memory.term(t, m)[i] * g[m];
         memory.of_node(v, t, i) = sum;
       }
   }

@@ -23,7 +23,7 @@ template <int dim> struct PathKernel
   using Packet = Eigen::Matrix<double, packed, 1>;
 
   /// So many particles find their principal frames together, on the host in the lanes of vector registers.
-  static constexpr int width = std::is_same<MemorySpace, Kokkos::HostSpace>::value ? 4 : 1;
+  static constexpr int width = device_is_host ? 4 : 1;
 
   /// Returns the number of inadmissible particles of a cell. The others share the mean J and the mean pressure.
   KEDGE_FUNCTION unsigned long follow_cell(const unsigned int c) const

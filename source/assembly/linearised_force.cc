@@ -1,148 +1,67 @@
-#include <kedge/assembly/lanes.h>
 #include <kedge/assembly/linearised_force.h>
-#include <kedge/assembly/point_tangents.h>
+#include <kedge/assembly/principal_moduli.h>
 
 namespace kedge
 {
 namespace
 {
-/// What particle p adds to its cell, pulled back to the start of the step, where [m][i] is entry dim m + i.
-template <int dim> struct CellTerms
+std::size_t largest_cell(const CellGroups& cells)
 {
-  double stress[dim * dim], dilation[dim * dim], volume[dim * dim];
-};
+  std::size_t n = 0;
+  Kokkos::parallel_reduce(
+      "largest cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
+      KOKKOS_LAMBDA(const std::size_t c, std::size_t& most) {
+        const std::size_t in_cell = cells.particle_begin(c + 1) - cells.particle_begin(c);
+        most = in_cell > most ? in_cell : most;
+      },
+      Kokkos::Max<std::size_t>(n));
+  return n;
+}
 
 template <int dim> struct LineariseKernel
 {
   PointTangents<dim> points;
   LinearisedForce derivative;
 
+  /// Without F-bar.
   KEDGE_FUNCTION void particle(const unsigned int p) const
   {
     const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
-    SpatialTangent tangent;
+    PrincipalTangent tangent;
     points.evaluate(p, determinant(dF), tangent);
-    store(p, pull_back(tangent, dF, integration_volume(points.particles, points.stencils, p)).value);
+    store(p, tangent, dF);
   }
 
   KEDGE_FUNCTION void operator()(const unsigned int c) const
   {
     const unsigned int begin = points.cells.particle_begin(c), end = points.cells.particle_begin(c + 1);
+    const bool shares = end - begin > 1;
     double compliance = 0., total = 0.;
-    Pulled pulled;
-    CellTerms<dim> terms;
     for (unsigned int p = begin; p < end; ++p)
     {
       const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
       const double volume = integration_volume(points.particles, points.stencils, p), J = determinant(dF);
-      SpatialTangent tangent;
+      PrincipalTangent tangent;
       const PointDilation dilation = points.evaluate(p, J, tangent);
+      if (!shares)
+        for (int m = 0; m < dim; ++m)
+          for (int n = 0; n < dim; ++n)
+            tangent.direct[m][n] +=
+                dilation.stress[m] * dilation.volume[n] / dilation.compliance - points.cells.spring(p) * J;
+      store(p, tangent, dF);
+      CellModuli<dim>::store(dilation, volume, J, &derivative.cell(p, 0));
       compliance += volume * dilation.compliance;
       total += volume * J;
-      pulled = pull_back(tangent, dF, volume);
-      terms = pull_back(dilation, dF, volume);
-      if (end - begin > 1)
-      {
-        store(p, pulled.value);
-        store(p, terms);
-      }
     }
-    const double modulus = 1. / compliance, spring = points.cells.spring(begin) / total;
-    const bool shares = end - begin > 1;
-    derivative.modulus(c) = shares ? modulus : 0.;
-    derivative.spring(c) = shares ? spring : 0.;
-    if (shares)
-      return;
-    for (int kn = 0; kn < dim * dim; ++kn)
-      for (int im = 0; im < dim * dim; ++im)
-      {
-        const int k = kn % dim, n = kn / dim;
-        pulled.value[(n * dim + k) * dim * dim + im] +=
-            modulus * terms.stress[im] * terms.dilation[kn] - spring * terms.volume[im] * terms.volume[kn];
-      }
-    store(begin, pulled.value);
+    derivative.modulus(c) = shares ? 1. / compliance : 0.;
+    derivative.spring(c) = shares ? points.cells.spring(begin) / total : 0.;
   }
 
-  struct Pulled
+  KEDGE_FUNCTION void store(const unsigned int p, const PrincipalTangent& tangent, const Eigen::Matrix3d& dF) const
   {
-    double value[dim * dim * dim * dim]; ///< as LinearisedForce::moduli
-  };
-
-  /// V a_ijkl dF^-1_mj dF^-1_nl, one index after the other.
-  KEDGE_FUNCTION static Pulled pull_back(const SpatialTangent& tangent, const Eigen::Matrix3d& dF, const double volume)
-  {
-    const Eigen::Matrix3d to_start = inverse(dF);
-    double half[dim][dim][dim][dim]; // [n][k][j][i]
-    for (int n = 0; n < dim; ++n)
-      for (int k = 0; k < dim; ++k)
-        for (int j = 0; j < dim; ++j)
-          for (int i = 0; i < dim; ++i)
-          {
-            double sum = 0.;
-            for (int l = 0; l < dim; ++l)
-              sum += to_start(n, l) * tangent(i, j, k, l);
-            half[n][k][j][i] = volume * sum;
-          }
-    Pulled result;
-    double* to = result.value;
-    for (int n = 0; n < dim; ++n)
-      for (int k = 0; k < dim; ++k)
-        for (int m = 0; m < dim; ++m)
-          for (int i = 0; i < dim; ++i, ++to)
-          {
-            *to = 0.;
-            for (int j = 0; j < dim; ++j)
-              *to += to_start(m, j) * half[n][k][j][i];
-          }
-    return result;
-  }
-
-  KEDGE_FUNCTION static CellTerms<dim> pull_back(const PointDilation& dilation, const Eigen::Matrix3d& dF,
-                                                 const double volume)
-  {
-    const Eigen::Matrix3d to_start = inverse(dF);
-    const double end_volume = volume * determinant(dF);
-    CellTerms<dim> terms;
-    for (int m = 0; m < dim; ++m)
-      for (int i = 0; i < dim; ++i)
-      {
-        double stress = 0., change = 0.;
-        for (int j = 0; j < dim; ++j)
-        {
-          stress += dilation.stress[3 * i + j] * to_start(m, j);
-          change += dilation.volume[3 * i + j] * to_start(m, j);
-        }
-        terms.stress[dim * m + i] = volume * stress;
-        terms.dilation[dim * m + i] = volume * change;
-        terms.volume[dim * m + i] = end_volume * to_start(m, i);
-      }
-    return terms;
-  }
-
-  KEDGE_FUNCTION void store(const unsigned int p, const double* value) const
-  {
-    constexpr int lanes = Lanes<dim>::size;
-    for (int row = 0; row < dim * dim * dim; ++row)
-    {
-      for (int i = 0; i < dim; ++i)
-        derivative.moduli(p, lanes * row + i) = value[dim * row + i];
-      for (int i = dim; i < lanes; ++i)
-        derivative.moduli(p, lanes * row + i) = 0.;
-    }
-  }
-
-  KEDGE_FUNCTION void store(const unsigned int p, const CellTerms<dim>& terms) const
-  {
-    for (int m = 0; m < dim; ++m)
-      for (int i = 0; i < dim; ++i)
-      {
-        constexpr int lanes = Lanes<dim>::size, set = dim * lanes;
-        const int k = lanes * m + i, transposed = lanes * i + m;
-        derivative.cell(p, k) = terms.stress[dim * m + i];
-        derivative.cell(p, set + k) = terms.volume[dim * m + i];
-        derivative.cell(p, 2 * set + transposed) = terms.dilation[dim * m + i];
-        derivative.cell(p, 3 * set + transposed) = terms.volume[dim * m + i];
-      }
+    PrincipalModuli<dim>::store(tangent, integration_volume(points.particles, points.stencils, p),
+                                trial_frame<dim>(points.particles, points.cells.volume_factor, p).directions,
+                                inverse(dF), &derivative.moduli(p, 0));
   }
 };
 
@@ -155,14 +74,16 @@ template <int dim> struct ProductKernel
   View<double*> force; ///< `lanes` numbers per local node
 
   using Row = typename Lanes<dim>::Type;
-  static constexpr int size = dim * dim, lanes = Lanes<dim>::size;
+  static constexpr int lanes = Lanes<dim>::size;
 
   KEDGE_FUNCTION void particle(const unsigned int p) const
   {
-    Row H[dim], w[dim];
-    displacement_gradient<dim>(stencils, direction, p, H);
-    multiply(p, H, w);
-    scatter(p, w);
+    const PrincipalModuli<dim> moduli = moduli_of(p);
+    Row h[dim];
+    double s[dim][dim];
+    find_gradient(p, moduli, h);
+    moduli.change_stress(h, s);
+    scatter(p, moduli, s);
   }
 
   KEDGE_FUNCTION void operator()(const unsigned int c) const
@@ -170,71 +91,55 @@ template <int dim> struct ProductKernel
     const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
     if (end - begin == 1)
       return particle(begin);
-    Row dilations = Row::Zero(), volumes = Row::Zero();
-    for (unsigned int p = begin; p < end; ++p)
-    {
-      Row H[dim], w[dim];
-      displacement_gradient<dim>(stencils, direction, p, H);
-      multiply(p, H, w);
-      for (int m = 0; m < dim; ++m)
-        flux(p, m) = w[m];
-      for (int k = 0; k < dim; ++k)
-      {
-        dilations += cell_row(p, 2, k) * H[k];
-        volumes += cell_row(p, 3, k) * H[k];
-      }
-    }
+    const unsigned int first = one_thread ? begin : 0; // a cell at a time needs room for one cell
     double dilation = 0., volume = 0.;
-    for (int n = 0; n < dim; ++n) // not the lane behind them
-    {
-      dilation += derivative.modulus(c) * dilations[n];
-      volume += derivative.spring(c) * volumes[n];
-    }
     for (unsigned int p = begin; p < end; ++p)
     {
-      Row w[dim];
+      const PrincipalModuli<dim> moduli = moduli_of(p);
+      const CellModuli<dim> of_cell(&derivative.cell(p, 0));
+      Row h[dim];
+      double s[dim][dim];
+      find_gradient(p, moduli, h);
+      moduli.change_stress(h, s);
+      for (int m = 0; m < dim; ++m)
+        for (int n = 0; n < dim; ++n)
+          derivative.stress(p - first, dim * m + n) = s[m][n];
+      dilation += of_cell.change_of_dilation(h);
+      volume += of_cell.change_of_volume(h);
+    }
+    dilation *= derivative.modulus(c);
+    volume *= derivative.spring(c);
+    for (unsigned int p = begin; p < end; ++p)
+    {
+      const CellModuli<dim> of_cell(&derivative.cell(p, 0));
+      double s[dim][dim];
       for (int m = 0; m < dim; ++m)
       {
-        w[m] = flux(p, m) + dilation * cell_row(p, 0, m) - volume * cell_row(p, 1, m);
+        for (int n = 0; n < dim; ++n)
+          s[m][n] = derivative.stress(p - first, dim * m + n);
+        s[m][m] += dilation * of_cell.stress(m) - volume * of_cell.volume();
       }
-      scatter(p, w);
+      scatter(p, moduli_of(p), s);
     }
   }
 
-  /// A row of Rows, which a GPU reads in one piece.
-  KEDGE_FUNCTION static Row read_row(const float* from)
+  KEDGE_FUNCTION PrincipalModuli<dim> moduli_of(const unsigned int p) const
   {
-    return Lanes<dim>::read(static_cast<const float*>(__builtin_assume_aligned(from, lanes * sizeof(float))));
+    return PrincipalModuli<dim>(&derivative.moduli(p, 0));
   }
 
-  /// Row m of a set of a particle's terms.
-  KEDGE_FUNCTION Row cell_row(const unsigned int p, const int set, const int m) const
+  KEDGE_FUNCTION void find_gradient(const unsigned int p, const PrincipalModuli<dim>& moduli, Row (&h)[dim]) const
   {
-    return read_row(&derivative.cell(p, (set * dim + m) * lanes));
+    Row H[dim];
+    displacement_gradient<dim>(stencils, direction, p, H);
+    moduli.turn_gradient(H, h);
   }
 
-  KEDGE_FUNCTION Eigen::Map<Row> flux(const unsigned int p, const int m) const
+  KEDGE_FUNCTION void scatter(const unsigned int p, const PrincipalModuli<dim>& moduli,
+                              const double (&s)[dim][dim]) const
   {
-    return Eigen::Map<Row>(&derivative.flux(p, m * lanes));
-  }
-
-  /// w[m][i] = sum of A_imkn H_kn.
-  KEDGE_FUNCTION void multiply(const unsigned int p, const Row (&H)[dim], Row (&w)[dim]) const
-  {
-    const float* moduli = &derivative.moduli(p, 0);
-    Row sum[dim]; // in registers; w itself would be stored and loaded with every term
-    for (int m = 0; m < dim; ++m)
-      sum[m].setZero();
-    for (int n = 0; n < dim; ++n)
-      for (int k = 0; k < dim; ++k)
-        for (int m = 0; m < dim; ++m, moduli += lanes)
-          sum[m] += H[k][n] * read_row(moduli);
-    for (int m = 0; m < dim; ++m)
-      w[m] = sum[m];
-  }
-
-  KEDGE_FUNCTION void scatter(const unsigned int p, const Row (&w)[dim]) const
-  {
+    Row w[dim];
+    moduli.turn_stress(s, w);
     const ParticleNodes at = nodes_of(stencils, p);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
     for (unsigned int v = 0; v < at.n; ++v)
@@ -256,11 +161,11 @@ LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSe
   {
     const auto uninitialised = [](const std::string& label)
     { return Kokkos::view_alloc(label, Kokkos::WithoutInitializing); };
-    constexpr int set = dim * Lanes<dim>::size;
     const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
-    derivative.moduli = Rows<float>(uninitialised("moduli"), particles.n, dim * dim * set);
-    derivative.cell = Rows<float>("terms of the cell", n_sharing, 4 * set); // with zeros in idle lanes
-    derivative.flux = Rows<double>(uninitialised("flux"), n_sharing, set);
+    derivative.moduli = Rows<float>(uninitialised("moduli"), particles.n, PrincipalModuli<dim>::size);
+    derivative.cell = Rows<float>(uninitialised("moduli of the cell"), n_sharing, CellModuli<dim>::size);
+    derivative.stress =
+        Rows<double>(uninitialised("change of stress"), one_thread ? largest_cell(cells) : n_sharing, dim * dim);
     derivative.modulus = View<float*>("modulus of the cell", cells.n_cells());
     derivative.spring = View<float*>("spring of the cell", cells.n_cells());
   }

@@ -14,9 +14,8 @@ using Scratch = Kokkos::View<double*, ExecutionSpace::scratch_memory_space, Kokk
 constexpr std::size_t cache_bytes = 131072;
 
 /// The memory that threads of a group share is too small on a GPU: groups there are few threads and use the large one.
-constexpr bool on_host = Kokkos::SpaceAccessibility<Kokkos::HostSpace, MemorySpace>::accessible;
 constexpr int threads_beside_host = 16;
-KEDGE_FUNCTION constexpr int scratch_level() { return on_host ? 0 : 1; }
+KEDGE_FUNCTION constexpr int scratch_level() { return device_is_host ? 0 : 1; }
 
 /// Nodes and columns whose sums stay in registers: 4 x 8 numbers fill half of the registers of AVX2.
 constexpr unsigned int node_block = 4, column_block = 8;
@@ -45,10 +44,12 @@ template <int dim> struct TangentKernel
                                double* spatial_gradient) const
   {
     const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
-    SpatialTangent tangent;
-    const PointDilation dilation = points.evaluate(p, determinant(dF), tangent);
+    PrincipalTangent principal;
+    const PointDilation dilation = points.evaluate(p, determinant(dF), principal);
+    const Eigen::Matrix3d directions = trial_frame<dim>(points.particles, points.cells.volume_factor, p).directions;
     if (!points.cells.empty())
-      moduli.set(p, dilation);
+      set(p, dilation, directions);
+    const SpatialTangent tangent = turn(principal, directions);
     const double volume = integration_volume(points.particles, points.stencils, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double* gradient = &points.stencils.gradient(dim * points.stencils.value_begin(p));
@@ -75,6 +76,19 @@ template <int dim> struct TangentKernel
           for (int k = 0; k < dim; ++k)
             contracted[(j * dim + i) * width + dim * v + k] = t[(3 * j + i) * 3 + k];
     }
+  }
+
+  KEDGE_FUNCTION void set(const unsigned int p, const PointDilation& dilation, const Eigen::Matrix3d& directions) const
+  {
+    Eigen::Vector3d stress = Eigen::Vector3d::Zero(), volume = Eigen::Vector3d::Zero();
+    for (int m = 0; m < dim; ++m)
+    {
+      stress[m] = dilation.stress[m];
+      volume[m] = dilation.volume[m];
+    }
+    set_row(moduli.stress, p, from_principal(stress, directions));
+    set_row(moduli.volume, p, from_principal(volume, directions));
+    moduli.compliance(p) = dilation.compliance;
   }
 
   KEDGE_FUNCTION void operator()(const Member& team) const
@@ -171,12 +185,12 @@ void add_tangent(const ParticleArrays& particles, const StencilSet& stencils, co
   const unsigned int chunk =
       std::max<std::size_t>(1, std::min<std::size_t>(16, cache_bytes / std::max<std::size_t>(1, per_particle)));
   const std::size_t n_sharing = cells.empty() ? 0 : particles.n;
-  const DilationModuli moduli{View<double* [9]>("stress moduli", n_sharing),
-                              View<double* [9]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
+  const DilationModuli moduli{View<double* [6]>("stress moduli", n_sharing),
+                              View<double* [6]>("volume moduli", n_sharing), View<double*>("compliance", n_sharing)};
   const TangentKernel<dim> kernel{
       {particles, stencils, materials, cells, elastic_share}, graph.row_begin, graph.column, values, chunk, moduli};
   Policy policy =
-      on_host ? Policy(stencils.n_patterns, Kokkos::AUTO) : Policy(stencils.n_patterns, threads_beside_host);
+      device_is_host ? Policy(stencils.n_patterns, Kokkos::AUTO) : Policy(stencils.n_patterns, threads_beside_host);
   policy.set_scratch_size(
       scratch_level(),
       Kokkos::PerTeam(Scratch::shmem_size(chunk * dim * dim * width) + Scratch::shmem_size(chunk * gradients)),

@@ -52,6 +52,8 @@ template <int dim> struct MeanDilationKernel
     const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
     const Eigen::Matrix3d to_spatial = inverse(dF);
     const double initial = integration_volume(particles, stencils, p), end = initial * determinant(dF);
+    const Eigen::Matrix3d stress = full_matrix(row_of(moduli.stress, p)),
+                          change = full_matrix(row_of(moduli.volume, p));
     const ParticleNodes nodes = nodes_of(stencils, p);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
     for (unsigned int v = 0, at = first; v < nodes.n; ++v, ++at)
@@ -67,8 +69,8 @@ template <int dim> struct MeanDilationKernel
         double of_force = 0., of_volume = 0.;
         for (int j = 0; j < dim; ++j)
         {
-          of_force += moduli.stress(p, 3 * i + j) * h[j];
-          of_volume += moduli.volume(p, 3 * i + j) * h[j];
+          of_force += stress(i, j) * h[j];
+          of_volume += change(i, j) * h[j];
         }
         add_to(force(std::size_t(dim) * at + i), initial * of_force);
         add_to(dilation(std::size_t(dim) * at + i), initial * of_volume);

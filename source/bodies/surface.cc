@@ -136,7 +136,7 @@ TriangleTree Surface::Tree::on_host(const std::size_t n_queries) const
 TriangleTree Surface::Tree::on_device(const std::size_t n_queries) const
 {
   TriangleTree view = on_host(n_queries);
-  if (std::is_same_v<MemorySpace, Kokkos::HostSpace> && !mirrors_apart())
+  if (device_is_host && !mirrors_apart())
     return view;
   if (device_nodes.extent(0) == 0)
   {

@@ -93,16 +93,13 @@ template <int dim> BodyTangents Contact<dim>::load_tangents() const
 template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
 {
   const auto host = pairs.read_on_host();
-  const auto begin = copy_to_host(arrays.points.begin), nodes = copy_to_host(arrays.points.nodes);
-  const auto weights = copy_to_host(arrays.points.weights), increment = copy_to_host(nodal_increment);
-  const auto displacement = [&](const unsigned int i)
+  struct
   {
-    Eigen::Vector3d u = Eigen::Vector3d::Zero();
-    for (unsigned int v = begin(i); v < begin(i + 1) && increment.extent(0) > 0; ++v)
-      for (int d = 0; d < dim; ++d)
-        u[world_axis(dim, d)] += weights(v) * increment(dim * nodes(v) + d);
-    return u;
-  };
+    HostView<unsigned int*> begin, nodes;
+    HostView<double*> weights;
+  } const points{copy_to_host(arrays.points.begin), copy_to_host(arrays.points.nodes),
+                 copy_to_host(arrays.points.weights)};
+  const auto increment = copy_to_host(nodal_increment);
   std::map<long long, double> gaps;
   for (std::size_t k = 0; k < n_pairs; ++k)
   {
@@ -112,7 +109,8 @@ template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const
     if (!std::isfinite(gap) && smallest > 0.) // evaluations look no farther than what may press
     {
       const WeldedSurface& welded = moved.surfaces[pair.key.surface];
-      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(pair.start + displacement(pair.point));
+      const Eigen::Vector3d x = moved.points[welded.point].pose.to_body(
+          increment.extent(0) == 0 ? pair.start : pair.start + point_displacement<dim>(points, increment, pair.point));
       KnownDistance known = pair.known;
       if (const auto closest = welded.surface.closest_point_within(x, std::min(pair.size, smallest), known))
         gap = closest->gap;

@@ -3,7 +3,6 @@
 #include <KokkosKernels_Handle.hpp>
 #include <kedge/base/groups.h>
 #include <kedge/solvers/block_gauss_seidel.h>
-#include <type_traits>
 
 namespace kedge
 {
@@ -48,11 +47,13 @@ struct Sweep
   View<int*> order;     ///< the nodes, colour by colour
 };
 
-/// sum += block x
+/// sum += block x, in one addition: the next block waits for no other.
 template <int size> KEDGE_FUNCTION void add_product(const float* block, const double* x, Lanes& sum)
 {
-  for (int k = 0; k < size; ++k)
-    sum += x[k] * StoredLanes(block + lanes * k).template cast<double>();
+  Lanes product = x[0] * StoredLanes(block).template cast<double>();
+  for (int k = 1; k < size; ++k)
+    product += x[k] * StoredLanes(block + lanes * k).template cast<double>();
+  sum += product;
 }
 
 /// Solves the equations of node v for its unknowns, with the present values of all others.
@@ -124,14 +125,7 @@ auto read(const TpetraVector& vector)
 }
 } // namespace
 
-SweepOrder sweep_order()
-{
-#ifdef KOKKOS_ENABLE_SERIAL
-  if (std::is_same_v<ExecutionSpace, Kokkos::Serial>)
-    return SweepOrder::by_number;
-#endif
-  return SweepOrder::by_colour;
-}
+SweepOrder sweep_order() { return one_thread ? SweepOrder::by_number : SweepOrder::by_colour; }
 
 BlockGaussSeidel::BlockGaussSeidel(const TpetraMatrix& matrix, const NodeBlocks& blocks_, const SweepOrder sweep_order)
     : blocks(blocks_),

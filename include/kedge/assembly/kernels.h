@@ -8,23 +8,20 @@
 #include <kedge/basis/stencil.h>
 #include <kedge/materials/material.h>
 #include <kedge/particles/arrays.h>
-#include <type_traits>
 
 namespace kedge
 {
 /// add_to() for n numbers that are neighbours in memory, of which the first `used` count.
 template <int n, int used = n> KEDGE_FUNCTION void add_to(double* target, const Eigen::Matrix<double, n, 1>& values)
 {
-#ifdef KOKKOS_ENABLE_SERIAL
-  if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
+  if constexpr (one_thread)
   {
     Eigen::Map<Eigen::Matrix<double, n, 1>> sum(target);
     sum += values;
-    return;
   }
-#endif
-  for (int i = 0; i < used; ++i)
-    Kokkos::atomic_add(target + i, values[i]);
+  else
+    for (int i = 0; i < used; ++i)
+      Kokkos::atomic_add(target + i, values[i]);
 }
 
 /// The nodes that particle p sees and their S_v(p).

@@ -8,18 +8,17 @@
 
 namespace kedge
 {
-/// With the gradient H_kn = sum over nodes of d_vk grad_n S_v of a change d of the increments, the flux
-/// w_im = A_imkn H_kn adds w_im grad_m S_v to the force at node v; A (N m) contains the integration volume and dF^-1.
-/// With F-bar the particles of a cell have the flux s_im c sum(r H) - g v_im sum(v H) in addition, the sums over the
-/// cell. Single precision: linear systems are solved to 1e-8 at most, residuals stay double. Rows fill SIMD
-/// registers (Lanes); their idle lanes are zero.
+/// With the gradient H_kn = sum over nodes of d_vk grad_n S_v of a change d of the increments, the flux w_im that the
+/// moduli of a particle make of it adds w_im grad_m S_v to the force at node v (PrincipalModuli). With F-bar the
+/// particles of a cell share a pressure, which depends on sums over the cell (CellModuli). Single precision: linear
+/// systems are solved to 1e-8 at most, residuals stay double.
 struct LinearisedForce
 {
-  Rows<float> moduli;   ///< by particle: A_imkn in row (n dim + k) dim + m
-  Rows<float> cell;     ///< by particle: s_im, v_im in rows m, dim + m; r_kn, v_kn in rows k of two more sets; or empty
-  View<float*> modulus; ///< by cell: c, 1 over the sum of its particles' compliances, Pa/m3; 0 in cells of one
+  Rows<float> moduli;   ///< by particle: PrincipalModuli
+  Rows<float> cell;     ///< by particle: CellModuli; empty without F-bar
+  View<float*> modulus; ///< by cell: 1 over the sum of its particles' compliances, Pa/m3; 0 in cells of one
   View<float*> spring;  ///< by cell: g, Pa/m3; so too
-  Rows<double> flux;    ///< workspace by particle: w_im in row m
+  Rows<double> stress;  ///< workspace: s_mn of the particles of a cell
 };
 
 /// Finds the derivative at the increments of the last stress update. For Newton's damping, yielding particles get at

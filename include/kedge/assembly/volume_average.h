@@ -51,29 +51,20 @@ void relax_pressure(const ParticleArrays& particles, const StencilSet& stencils,
 /// The spring of share_pressure() over the elastic modulus.
 constexpr double least_dilation_modulus = 1e-3;
 
-/// How a particle and its cell's pressure depend on each other; entries 3 i + j, dim x dim used.
+/// How a particle and its cell's pressure depend on each other. Stress and volume are diagonal in the principal frame
+/// of the trial, dim numbers used.
 struct PointDilation
 {
-  double stress[9];  ///< change of the acting stress per pressure of the cell
-  double volume[9];  ///< change of volume at a held pressure with the displacement gradient
+  double stress[3];  ///< change of the acting stress per pressure of the cell
+  double volume[3];  ///< change of volume at a held pressure with the displacement gradient
   double compliance; ///< change of volume per pressure of the cell, 1/Pa
 };
 
-/// The same for all particles.
+/// The same for all particles, on the axes of space.
 struct DilationModuli
 {
-  View<double*[9]> stress, volume;
+  View<double*[6]> stress, volume;
   View<double*> compliance;
-
-  KEDGE_FUNCTION void set(const unsigned int p, const PointDilation& dilation) const
-  {
-    for (int i = 0; i < 9; ++i)
-    {
-      stress(p, i) = dilation.stress[i];
-      volume(p, i) = dilation.volume[i];
-    }
-    compliance(p) = dilation.compliance;
-  }
 };
 
 /// Adds the part of the tangent that comes from the pressure of the cells at the increment of the last deform(), with h

@@ -16,9 +16,8 @@ void for_each_in_groups(const std::string& label, const std::size_t n, const std
   using Memory = Kokkos::View<double*, ExecutionSpace::scratch_memory_space, Kokkos::MemoryUnmanaged>;
   if (n == 0)
     return;
-  constexpr bool on_host = Kokkos::SpaceAccessibility<Kokkos::HostSpace, MemorySpace>::accessible;
-  constexpr int groups = on_host ? 1 : 8, threads = on_host ? 1 : 8;
-  constexpr std::size_t in_turn = on_host ? 64 : 1; // of a group: to begin with a team takes time
+  constexpr int groups = device_is_host ? 1 : 8, threads = device_is_host ? 1 : 8;
+  constexpr std::size_t in_turn = device_is_host ? 64 : 1; // of a group: to begin with a team takes time
   Kokkos::TeamPolicy<ExecutionSpace> policy(static_cast<int>((n + groups * in_turn - 1) / (groups * in_turn)), groups,
                                             threads);
   policy.set_scratch_size(0, Kokkos::PerThread(static_cast<int>(Memory::shmem_size(size))));

@@ -14,17 +14,23 @@ namespace kedge
 using ExecutionSpace = Kokkos::DefaultExecutionSpace;
 using MemorySpace = ExecutionSpace::memory_space;
 
-/// Adds to a number that several threads may change. The serial back end needs no atomic.
+/// Whether kernels and the host see the same memory.
+constexpr bool device_is_host = std::is_same<MemorySpace, Kokkos::HostSpace>::value;
+
+/// Whether one thread runs the kernels: what it adds up needs no atomic, and rooms for one item serve all in turn.
+#ifdef KOKKOS_ENABLE_SERIAL
+constexpr bool one_thread = std::is_same<ExecutionSpace, Kokkos::Serial>::value;
+#else
+constexpr bool one_thread = false;
+#endif
+
+/// Adds to a number that several threads may change.
 KEDGE_FUNCTION void add_to(double& target, const double value)
 {
-#ifdef KOKKOS_ENABLE_SERIAL
-  if constexpr (std::is_same<ExecutionSpace, Kokkos::Serial>::value)
-  {
+  if constexpr (one_thread)
     target += value;
-    return;
-  }
-#endif
-  Kokkos::atomic_add(&target, value);
+  else
+    Kokkos::atomic_add(&target, value);
 }
 
 /// Array on the device. Host code accesses it through HostView mirrors.
@@ -44,7 +50,7 @@ constexpr const char* mirror_suffix = " on the host";
 template <typename Array> typename Array::HostMirror make_mirror(const Array& device)
 {
   using Mirror = typename Array::HostMirror;
-  if constexpr (std::is_same_v<typename Mirror::memory_space, typename Array::memory_space>)
+  if constexpr (device_is_host)
     if (!mirrors_apart())
       return Kokkos::create_mirror_view(device);
   return Mirror(Kokkos::view_alloc(device.label() + mirror_suffix, Kokkos::WithoutInitializing), device.layout());
@@ -61,7 +67,7 @@ template <typename Array> typename Array::HostMirror copy_to_host(const Array& d
 /// The values of a mirror on the device; where that is the host, both may share their storage.
 template <typename T> View<T*> copy_to_device(const HostView<T*>& host)
 {
-  if constexpr (std::is_same_v<typename HostView<T*>::memory_space, MemorySpace>)
+  if constexpr (device_is_host)
     if (!mirrors_apart())
       return host;
   View<T*> device(Kokkos::view_alloc(host.label(), Kokkos::WithoutInitializing), host.extent(0));

@@ -30,11 +30,10 @@ using SurfaceMotions = View<SurfaceMotion*>;
 void evaluate_contact(unsigned int dim, ContactArrays& contact, const SurfaceMotions& surfaces,
                       const View<double*>& increment, bool keeps_multipliers);
 
-/// Displacement of point i in the world's axes, from nodal ones (dim per node, m). Evaluations call this for many
-/// points, so sums stay in registers.
-template <int dim>
-KEDGE_FUNCTION Eigen::Vector3d point_displacement(const PointForces& points, const View<double*>& nodal,
-                                                  const unsigned int i)
+/// Displacement of point i in the world's axes, from nodal ones (dim per node, m): of PointForces, or of their arrays
+/// on the host. Evaluations call this for many points, so sums stay in registers.
+template <int dim, typename Points, typename Nodal>
+KEDGE_FUNCTION Eigen::Vector3d point_displacement(const Points& points, const Nodal& nodal, const unsigned int i)
 {
   double sum[dim] = {};
   for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)

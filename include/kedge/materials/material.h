@@ -91,7 +91,7 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
 template <bool with_tangent>
 KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const SymmetricTensor& pushed,
                                              const MaterialPoint& point, const Material& material, double* next_state,
-                                             SpatialTangent* tangent, SymmetricTensor* next_b,
+                                             PrincipalTangent* tangent, SymmetricTensor* next_b,
                                              const double elastic_share)
 {
   const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
@@ -101,7 +101,7 @@ KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const 
   {
     if (response.status != Status::elastic)
       response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
-    *tangent = spatial_tangent(response, material.elasticity(point.young), trial_strain, frame);
+    *tangent = principal_tangent(response, material.elasticity(point.young), trial_strain, frame.values);
   }
   if (next_b != nullptr)
   {
@@ -122,15 +122,14 @@ KEDGE_FUNCTION bool all_positive(const Eigen::Vector3d& values)
 
 template <bool with_tangent>
 KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const MaterialPoint& point,
-                                          const Material& material, double* next_state, SpatialTangent* tangent,
+                                          const Material& material, double* next_state, PrincipalTangent* tangent,
                                           const double elastic_share = 0.)
 {
   if (all_positive(trial.values))
     return update_stress_in<with_tangent>(trial, SymmetricTensor::Zero(), point, material, next_state, tangent, nullptr,
                                           elastic_share);
   if constexpr (with_tangent)
-    for (double& entry : tangent->value)
-      entry = 0.;
+    *tangent = {};
   return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
 }
 } // namespace internal
@@ -154,10 +153,10 @@ KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const Mat
   return internal::update_stress<false>(trial, point, material, next_state, nullptr);
 }
 
-/// The same with the consistent spatial tangent, to which a yielding point adds at least `elastic_share` of its elastic
-/// moduli.
+/// The same with the consistent tangent in that frame, to which a yielding point adds at least `elastic_share` of its
+/// elastic moduli.
 KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const MaterialPoint& point,
-                                          const Material& material, double* next_state, SpatialTangent& tangent,
+                                          const Material& material, double* next_state, PrincipalTangent& tangent,
                                           const double elastic_share = 0.)
 {
   return internal::update_stress<true>(trial, point, material, next_state, &tangent, elastic_share);
@@ -174,7 +173,11 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
                                           const MaterialPoint& point, const Material& material, double* next_state,
                                           SpatialTangent& tangent, const double elastic_share = 0.)
 {
-  return update_stress(trial_frame(increment, b), point, material, next_state, tangent, elastic_share);
+  const PrincipalFrame frame = trial_frame(increment, b);
+  PrincipalTangent principal;
+  const StressUpdate update = update_stress(frame, point, material, next_state, principal, elastic_share);
+  tangent = turn(principal, frame.directions);
+  return update;
 }
 
 /// The same without a tangent for a path of many increments, where the trial b and its principal frame are known: `b`

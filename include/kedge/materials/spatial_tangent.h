@@ -41,35 +41,49 @@ KEDGE_FUNCTION double logarithmic_chord(const double strain_i, const double stra
   return (1. + h2 * (1. / 3. + h2 * (1. / 5. + h2 * (1. / 7.)))) / sum;
 }
 
-/// a_ijkl = 1/2 (D : L : B)_ijkl - tau_il delta_jk (de Souza Neto, Peric & Owen 2008, ch. 14). In the principal frame
-/// only 21 entries differ from zero, D_mn being d tau_m / d strain_n and g_mn = (tau_m - tau_n) / (b_m - b_n):
+/// The moduli in the principal frame of the trial left Cauchy-Green tensor, where only 21 entries differ from zero
+/// (Pa).
+struct PrincipalTangent
+{
+  double direct[3][3];  ///< a_mmnn
+  double same[3][3];    ///< a_mnmn, m != n
+  double swapped[3][3]; ///< a_mnnm, m != n
+  double stress[3];     ///< tau_m
+};
+
+/// a_ijkl = 1/2 (D : L : B)_ijkl - tau_il delta_jk (de Souza Neto, Peric & Owen 2008, ch. 14). With D_mn being d tau_m
+/// / d strain_n and g_mn = (tau_m - tau_n) / (b_m - b_n):
 ///   a_mmnn = D_mn - tau_m delta_mn,  a_mnmn = g_mn b_n,  a_mnnm = g_mn b_m - tau_m  (m != n).
 /// The response's residual stiffness is added as that fraction of the elastic law's D and g.
-KEDGE_FUNCTION SpatialTangent spatial_tangent(const Response& response, const HenckyElasticity& elasticity,
-                                              const Eigen::Vector3d& trial_strain,
-                                              const PrincipalFrame& trial_left_cauchy_green)
+KEDGE_FUNCTION PrincipalTangent principal_tangent(const Response& response, const HenckyElasticity& elasticity,
+                                                  const Eigen::Vector3d& trial_strain, const Eigen::Vector3d& b)
 {
-  const Eigen::Vector3d& b = trial_left_cauchy_green.values;
-  const Eigen::Matrix3d& q = trial_left_cauchy_green.directions;
   const double residual_lame = response.residual_stiffness * elasticity.lame;
   const double residual_shear = response.residual_stiffness * 2. * elasticity.shear;
-
-  double direct[3][3];              // a_mmnn
-  double same[3][3], swapped[3][3]; // a_mnmn and a_mnnm, m != n
+  PrincipalTangent tangent;
   for (int m = 0; m < 3; ++m)
     for (int n = 0; n < 3; ++n)
-      direct[m][n] = response.tangent(m, n) + residual_lame;
+      tangent.direct[m][n] = response.tangent(m, n) + residual_lame;
   for (int m = 0; m < 3; ++m)
   {
-    direct[m][m] += residual_shear - response.stress[m];
+    tangent.stress[m] = response.stress[m];
+    tangent.direct[m][m] += residual_shear - response.stress[m];
+    tangent.same[m][m] = tangent.swapped[m][m] = 0.;
     const int n = m == 2 ? 0 : m + 1;
     const double g = (response.shear_stiffness[m] + residual_shear) *
                      logarithmic_chord(trial_strain[m], trial_strain[n], b[m], b[n]);
-    same[m][n] = g * b[n];
-    same[n][m] = g * b[m];
-    swapped[m][n] = g * b[m] - response.stress[m];
-    swapped[n][m] = g * b[n] - response.stress[n];
+    tangent.same[m][n] = g * b[n];
+    tangent.same[n][m] = g * b[m];
+    tangent.swapped[m][n] = g * b[m] - response.stress[m];
+    tangent.swapped[n][m] = g * b[n] - response.stress[n];
   }
+  return tangent;
+}
+
+/// All moduli on the axes of space; the columns of q are the directions of the principal frame.
+KEDGE_FUNCTION SpatialTangent turn(const PrincipalTangent& moduli, const Eigen::Matrix3d& q)
+{
+  const auto& [direct, same, swapped, stress] = moduli;
 
   // Turned in two halves: (i, k) through the products of directions, then j and l one after the other.
   double product[3][3][9]; // product[p][r][ik] = Q_ip Q_kr
