@@ -223,22 +223,6 @@ TYPED_TEST(PressedBox, StartsFromTheForcesOfTheLastStep)
   EXPECT_LT((block.load() - before).template head<3>().norm(), 1e-9 * before.norm());
 }
 
-/// Round-off must not choose which corners press at the start of a step: ranks would differ in it.
-TYPED_TEST(PressedBox, TouchesNothingWithinRoundOffOfItsReferences)
-{
-  typename TestFixture::Block block(0.3, 4e-3);
-  block.find_pairs();
-  block.contact.take_reference_gaps(block.bodies);
-  const auto active_after = [&](const double rise)
-  {
-    block.evaluate([&](const auto&, const unsigned int d) { return d == TypeParam::value - 1 ? rise : 0.; });
-    return block.contact.n_active();
-  };
-  EXPECT_EQ(active_after(0.), 0);
-  EXPECT_EQ(active_after(1e-13), 0);
-  EXPECT_EQ(active_after(1e-8), block.n_corners());
-}
-
 TYPED_TEST(PressedBox, RemembersParticlesThatWaitOutsideTheWindow)
 {
   typename TestFixture::Block block(0.5, 1e-3);
@@ -294,58 +278,6 @@ TEST(PressedBoxInSpace, FrictionTurnsWithTheBox)
   block.evaluate(turned, turn);
   const Vector6 after = block.load();
   EXPECT_LT((after.head<3>() - rotation * before.head<3>()).norm(), 1e-9 * before.norm());
-}
-
-TYPED_TEST(PressedBox, BuriedBoxPushesOnlyBeyondItsFirstPlace)
-{
-  typename TestFixture::Block block(0., 2e-2);
-  block.find_pairs(0.1);
-  block.contact.take_reference_gaps(block.bodies);
-  block.evaluate_at_rest();
-  EXPECT_EQ(block.load().norm(), 0.);
-  EXPECT_EQ(block.contact.n_active(), 0);
-  const auto rest = [](const auto&, unsigned int) { return 0.; };
-  block.evaluate(rest, test::translation(0., 0., -1e-3));
-  const double expected = block.n_corners() * block.normal_stiffness() * 1.25e-3; // the reference fades by a quarter
-  EXPECT_NEAR(block.load()[2], expected, 1e-9 * expected);
-}
-
-TYPED_TEST(PressedBox, BuriedBoxFindsTheTrueSurfaceOnItsReturn)
-{
-  typename TestFixture::Block block(0., 2e-2);
-  block.find_pairs(0.1);
-  block.contact.take_reference_gaps(block.bodies);
-  const auto rest = [](const auto&, unsigned int) { return 0.; };
-  for (const double lift : {1.5e-2, -0.5e-2}) // out to 5 mm of penetration, then back to 10 mm
-  {
-    block.evaluate(rest, test::translation(0., 0., lift));
-    const double pressing = lift > 0. ? 0. : 1.25 * 5e-3; // the reference fades by a quarter of the distance
-    const double expected = block.n_corners() * block.normal_stiffness() * pressing;
-    EXPECT_NEAR(block.load()[2], expected, 1e-9 * block.n_corners() * block.normal_stiffness());
-    block.contact.commit();
-    block.bodies.points[0].pose = block.bodies.points[0].pose.moved(test::translation(0., 0., lift));
-    block.find_pairs(0.1);
-  }
-}
-
-TYPED_TEST(PressedBox, BuriedBoxMeetsTheSoilAsItMovesAlong)
-{
-  typename TestFixture::Block block(0., 2e-2);
-  block.find_pairs(0.1);
-  block.contact.take_reference_gaps(block.bodies);
-  const auto along = [](const auto&, const unsigned int d) { return d == 0 ? 1e-2 : 0.; };
-  block.evaluate(along, test::translation(1e-2, 0., 0.)); // box and soil together
-  const double expected = block.n_corners() * block.normal_stiffness() * 0.25 * 1e-2;
-  EXPECT_NEAR(block.load()[2], expected, 1e-9 * expected);
-  block.contact.commit();
-  long long n_buried = 0;
-  for (const ContactRecord& record : block.contact.export_history())
-    if (record.reference_gap < 0.)
-    {
-      ++n_buried;
-      EXPECT_NEAR(record.reference_gap, -2e-2 + 0.25 * 1e-2, 1e-9);
-    }
-  EXPECT_GT(sum_over_ranks(n_buried, MPI_COMM_WORLD), 0);
 }
 
 TYPED_TEST(PressedBox, MultipliersGrowByWhatTheSpringsTakeTimesAFactor)
