@@ -17,8 +17,8 @@ struct LinearisedForce
   Rows<float> moduli;   ///< by particle: PrincipalModuli
   Rows<float> cell;     ///< by particle: CellModuli; empty without F-bar
   View<float*> modulus; ///< by cell: 1 over the sum of its particles' compliances, Pa/m3; 0 in cells of one
-  View<float*> spring;  ///< by cell: g, Pa/m3; so too
-  Rows<double> stress;  ///< workspace: s_mn of the particles of a cell
+  View<float*> spring;  ///< by cell: F-bar's spring over the cell's volume, Pa/m3; so too
+  Rows<double> stress;  ///< workspace: s_mn of the particles of a cell, of all cells where threads share the work
 };
 
 /// Finds the derivative at the increments of the last stress update. For Newton's damping, yielding particles get at
