@@ -16,10 +16,6 @@ struct SpatialTangent
   {
     return value[((l * 3 + j) * 3 + i) * 3 + k];
   }
-  KEDGE_FUNCTION double& operator()(const int i, const int j, const int k, const int l)
-  {
-    return value[((l * 3 + j) * 3 + i) * 3 + k];
-  }
 
   /// T_ijk = a_ijkl G_l, stored as contracted[(j*3 + i)*3 + k].
   KEDGE_FUNCTION void contract(const double (&gradient)[3], double (&contracted)[27]) const
