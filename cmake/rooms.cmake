@@ -13,10 +13,13 @@ if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-fopenmp") # its Kokkos has threads
 endif()
 # One built for NVIDIA's GPUs needs its nvcc_wrapper as compiler here, too, and the same architecture.
 if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-arch=(sm_[0-9]+)")
+  target_compile_options(trilinos INTERFACE --expt-extended-lambda --expt-relaxed-constexpr -arch=${CMAKE_MATCH_1})
   # A kernel that calls a function of the host's is only warned of, and hangs.
-  target_compile_options(trilinos INTERFACE --expt-extended-lambda --expt-relaxed-constexpr -arch=${CMAKE_MATCH_1}
-                         "SHELL:-Xcudafe --diag_error=20011" "SHELL:-Xcudafe --diag_error=20014")
+  set(kedge_kernel_options "SHELL:-Xcudafe --diag_error=20011" "SHELL:-Xcudafe --diag_error=20014")
   target_link_options(trilinos INTERFACE -arch=${CMAKE_MATCH_1} -Wl,--as-needed)
+  # Among Boost's integers of 128 bits, which CGAL includes, is a constant that g++ takes from nvcc only so.
+  set_source_files_properties(source/bodies/overlapping_boxes.cc source/bodies/surface_crossing.cc
+                              source/geometry/triangulation.cc PROPERTIES COMPILE_OPTIONS -fpermissive)
   set(KEDGE_PRECOMPILED OFF)
 endif()
 
@@ -27,7 +30,10 @@ if(TARGET dealii::dealii_release)
   target_link_libraries(deal.II INTERFACE dealii::dealii_release trilinos)
 else()
   target_include_directories(deal.II SYSTEM INTERFACE ${DEAL_II_INCLUDE_DIRS})
-  target_link_libraries(deal.II INTERFACE ${DEAL_II_LIBRARIES_RELEASE} trilinos)
+  # libdeal.ii names the Trilinos that it needs itself; Kedge's, the target above, may be another one.
+  set(libraries ${DEAL_II_LIBRARIES_RELEASE})
+  list(FILTER libraries EXCLUDE REGEX "/libtrilinos_")
+  target_link_libraries(deal.II INTERFACE ${libraries} trilinos)
 endif()
 
 # SuiteSparse of Debian 12 has no CMake files.
@@ -88,15 +94,16 @@ function(kedge_share_headers target kind)
   endif()
 endfunction()
 
-# kedge_room(name ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
+# kedge_room(name KERNELS ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
 #   ROOMS          rooms that it may include and links
 #   HEADERS_OF     rooms that it may include without linking; only scripts/checks/check-floors reads this list
 #   LINKS          packages that it and every room above it links
 #   PRIVATE_LINKS  packages that it alone links
 #   HEADERS        precompiled headers that it shares, if any: trilinos or deal.II
+#   KERNELS        it has kernels that run on a GPU
 function(kedge_room name)
   set_property(GLOBAL APPEND PROPERTY KEDGE_ROOMS ${name})
-  cmake_parse_arguments(ROOM "" "HEADERS" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "KERNELS" "HEADERS" "ROOMS;HEADERS_OF;LINKS;PRIVATE_LINKS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/source/${name}/*.cc)
   list(TRANSFORM ROOM_ROOMS PREPEND kedge_)
   if(sources)
@@ -104,6 +111,9 @@ function(kedge_room name)
     target_link_libraries(kedge_${name} PUBLIC kedge_options ${ROOM_ROOMS} ${ROOM_LINKS} PRIVATE ${ROOM_PRIVATE_LINKS})
     if(ROOM_HEADERS)
       kedge_share_headers(kedge_${name} ${ROOM_HEADERS})
+    endif()
+    if(ROOM_KERNELS)
+      target_compile_options(kedge_${name} PRIVATE ${kedge_kernel_options})
     endif()
   else()
     add_library(kedge_${name} INTERFACE)

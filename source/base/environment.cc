@@ -2,7 +2,10 @@
 
 #include <Tpetra_Core.hpp>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <kedge/base/failure.h>
+#include <kedge/base/kokkos.h>
 #include <mpi.h>
 #include <string>
 #include <vector>
@@ -54,7 +57,22 @@ struct Environment::Scopes
   Tpetra::ScopeGuard tpetra;
 };
 
-Environment::Environment(int& argc, char**& argv) : scopes(std::make_unique<Scopes>(argc, argv)) {}
+Environment::Environment(int& argc, char**& argv)
+{
+  try
+  {
+    scopes = std::make_unique<Scopes>(argc, argv);
+  }
+  catch (const std::runtime_error& error)
+  {
+    if (device_is_host)
+      throw;
+    const std::string reason = error.what(); // its first line; a trace of calls follows
+    std::fprintf(stderr, "no GPU can be used here, but this build computes on one: %s\n",
+                 reason.substr(0, reason.find('\n')).c_str());
+    std::exit(bad_input);
+  }
+}
 Environment::~Environment() = default;
 
 int Environment::rank() const

@@ -31,8 +31,11 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
   summary.gpu_requested = input.gpu;
   summary.ranks = size_of(MPI_COMM_WORLD);
   summary.libraries = library_versions();
-  if (input.gpu && back_end() != "Cuda" && back_end() != "HIP")
+  const bool has_gpu = back_end() == "Cuda" || back_end() == "HIP";
+  if (input.gpu && !has_gpu)
     terminal.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
+  if (!input.gpu && has_gpu)
+    terminal.warn("\"GPU\" is \"off\", but this build computes on a GPU: another one is needed for the CPU");
 }
 
 void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies)

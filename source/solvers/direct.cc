@@ -1,6 +1,7 @@
 #include <Eigen/UmfPackSupport>
 #include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
+#include <kedge/base/kokkos.h>
 #include <kedge/solvers/direct.h>
 #include <vector>
 
@@ -14,19 +15,20 @@ using Factors = Eigen::UmfPackLU<Eigen::SparseMatrix<double>>;
 Eigen::SparseMatrix<double, Eigen::RowMajor> copy_rows(const TpetraMatrix& matrix)
 {
   const auto n = static_cast<Eigen::Index>(matrix.getGlobalNumRows());
-  const std::size_t longest = matrix.getGlobalMaxNumRowEntries();
-  TpetraMatrix::nonconst_global_inds_host_view_type columns("columns", longest);
-  TpetraMatrix::nonconst_values_host_view_type values("values", longest);
+  const auto local = matrix.getLocalMatrixDevice();
+  const auto begin = copy_to_host(local.graph.row_map);
+  const auto columns = copy_to_host(local.graph.entries);
+  const auto values = copy_to_host(local.values);
+  const TpetraMap &row_map = *matrix.getRowMap(), &column_map = *matrix.getColMap();
   std::vector<std::pair<GlobalOrdinal, double>> row;
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows(n, n);
   rows.reserve(matrix.getGlobalNumEntries());
   for (Eigen::Index i = 0; i < n; ++i)
   {
-    std::size_t length = 0;
-    matrix.getGlobalRowCopy(i, columns, values, length);
+    const LocalOrdinal here = row_map.getLocalElement(i);
     row.clear();
-    for (std::size_t k = 0; k < length; ++k)
-      row.emplace_back(columns(k), values(k));
+    for (std::size_t k = begin(here); k < begin(here + 1); ++k)
+      row.emplace_back(column_map.getGlobalElement(columns(k)), values(k));
     std::sort(row.begin(), row.end());
     rows.startVec(i);
     for (const auto& [column, value] : row)
@@ -68,12 +70,14 @@ bool solve_directly(const TpetraMatrix& matrix, const TpetraMultiVector& b, Tpet
   if (communicator->getSize() == 1)
     return factorise_and_solve(matrix, b, x);
 
+  // Tpetra does not show the host what somebody else reaches on the device, as System does.
+  const TpetraMatrix own(matrix, Teuchos::Copy);
   const std::size_t n = matrix.getGlobalNumRows(), n_sides = b.getNumVectors();
   const bool first = communicator->getRank() == 0;
   const auto map = Teuchos::rcp(new TpetraMap(n, first ? n : 0, 0, communicator));
   const TpetraImport to_first(matrix.getRowMap(), map);
   TpetraMatrix gathered(map, map, matrix.getGlobalMaxNumRowEntries());
-  gathered.doImport(matrix, to_first, Tpetra::INSERT);
+  gathered.doImport(own, to_first, Tpetra::INSERT);
   gathered.fillComplete();
   TpetraMultiVector gathered_b(map, n_sides), gathered_x(map, n_sides);
   gathered_b.doImport(b, to_first, Tpetra::INSERT);

@@ -32,6 +32,13 @@ Gathering gathering(const int n_ranks)
   return n_ranks <= few_ranks ? Gathering{1000, 1000, 2000} : Gathering{100, 50, 100};
 }
 
+/// Whether MueLu can bring a level together on one rank. What scripts/build-trilinos builds cannot.
+#ifdef HAVE_MUELU_ZOLTAN2
+constexpr bool gathers_levels = true;
+#else
+constexpr bool gathers_levels = false;
+#endif
+
 /// How the coarsest level is solved.
 enum class Coarsest
 {
@@ -155,7 +162,8 @@ struct Multigrid::Implementation
     const int n_ranks = matrix->getComm()->getSize();
     // What is on several ranks is factorised on a level below, which one rank has.
     const Tpetra::global_size_t few_rows = gathering(n_ranks).few_rows;
-    const bool one_rank_factorises = n_ranks == 1 || coarsening.matrix()->getGlobalNumRows() > few_rows;
+    const bool one_rank_factorises =
+        n_ranks == 1 || (gathers_levels && coarsening.matrix()->getGlobalNumRows() > few_rows);
     Teuchos::ParameterList list = hierarchy_parameters(coarsening.n_modes(), strong, n_ranks,
                                                        one_rank_factorises ? Coarsest::factorised : Coarsest::smoothed);
     list.sublist("user data").set("Nullspace", coarsening.near_null_space());

@@ -1,3 +1,4 @@
+#include <KokkosBlas1_axpby.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <kedge/assembly/acting_points.h>
@@ -20,6 +21,68 @@ constexpr double noise_taken = 0.1;
 /// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
 /// point enters a cell. Boxes need none, there values and gradients fade away together.
 double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; }
+
+using Policy = Kokkos::RangePolicy<ExecutionSpace>;
+using ParticleVectors = View<double* [3]>;
+
+// Kernels have functions of their own, for nvcc refuses them in private ones of a class.
+
+/// Adds the springs' stiffness to `rate` of their nodes, by weight.
+void add_stiffness(const PointForces& points, const View<double*>& stiffness, const View<double*>& rate)
+{
+  Kokkos::parallel_for(
+      "contact stiffness", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          add_to(rate(points.nodes(v)), stiffness(i) * points.weights(v));
+      });
+}
+
+/// Of a point: the sum over its nodes of weight times rate over mass.
+double largest_squared_frequency(const PointForces& points, const View<double*>& rate, const View<double*>& mass)
+{
+  double largest = 0.;
+  Kokkos::parallel_reduce(
+      "contact frequency", Policy(0, points.n()),
+      KOKKOS_LAMBDA(const std::size_t i, double& most) {
+        double sum = 0.;
+        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
+          if (const unsigned int node = points.nodes(v); mass(node) > 0.)
+            sum += points.weights(v) * rate(node) / mass(node);
+        most = sum > most ? sum : most;
+      },
+      Kokkos::Max<double>(largest));
+  return std::fmax(0., largest); // without points the reduction leaves the least number
+}
+
+/// nodal = factor nodal / inertia
+void divide(const NodalVector& nodal, const double factor, const NodalVector& inertia)
+{
+  Kokkos::parallel_for(
+      "project", Policy(0, nodal.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i) { nodal(i) = factor * nodal(i) / inertia(i); });
+}
+
+/// Lets forces act on velocities for a time. Local damping opposes every velocity by a share of the force on it
+/// (Cundall 1987).
+void kick_nodes(const NodalVector& velocity, const NodalVector& force, const NodalVector& inertia, const double time,
+                const double damping)
+{
+  Kokkos::parallel_for(
+      "kick", Policy(0, force.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
+        const double opposed = velocity(i) == 0. ? 0. : std::copysign(damping * std::fabs(force(i)), velocity(i));
+        velocity(i) += time / inertia(i) * (force(i) - opposed);
+      });
+}
+
+/// to = what - to, in the first dim components.
+template <int dim> void take_from(const ParticleVectors& what, const ParticleVectors& to)
+{
+  Kokkos::parallel_for(
+      "unseen velocity", Policy(0, to.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
+        for (int d = 0; d < dim; ++d)
+          to(p, d) = what(p, d) - to(p, d);
+      });
+}
 } // namespace
 
 template <int dim>
@@ -76,27 +139,10 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
   if (!context.stage.rigid_bodies)
     return 0.;
   const PointForces points = context.soil.contact().points_of_last_evaluation();
-  const View<double*> stiffness = context.soil.contact().point_stiffness(), node_mass = mass,
-                      rate("contact stiffness", basis.nodes.n_local());
-  const Kokkos::RangePolicy<ExecutionSpace> all(0, points.n());
-  Kokkos::parallel_for(
-      "contact stiffness", all, KOKKOS_LAMBDA(const std::size_t i) {
-        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
-          add_to(rate(points.nodes(v)), stiffness(i) * points.weights(v));
-      });
+  const View<double*> rate("contact stiffness", basis.nodes.n_local());
+  add_stiffness(points, context.soil.contact().point_stiffness(), rate);
   node_exchange.sum_over_ranks(rate);
-  double largest = 0.;
-  Kokkos::parallel_reduce(
-      "contact frequency", all,
-      KOKKOS_LAMBDA(const std::size_t i, double& most) {
-        double sum = 0.;
-        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
-          if (const unsigned int node = points.nodes(v); node_mass(node) > 0.)
-            sum += points.weights(v) * rate(node) / node_mass(node);
-        most = sum > most ? sum : most;
-      },
-      Kokkos::Max<double>(largest));
-  return max_over_ranks(largest, basis.nodes.communicator) +
+  return max_over_ranks(largest_squared_frequency(points, rate, mass), basis.nodes.communicator) +
          context.soil.contact().largest_body_frequency(context.bodies);
 }
 
@@ -151,13 +197,10 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
 /// Sum over the particles of their mass times a quantity, over the mass of the nodes; zero at held dofs.
 template <int dim> NodalVector ExplicitStep<dim>::project(const View<double* [3]>& quantity) const
 {
-  const NodalVector nodal = exchange.make_nodal_vector(), m = inertia;
+  const NodalVector nodal = exchange.make_nodal_vector();
   add_particle_momentum(context.soil.particles().arrays(), basis.stencils, quantity, nodal);
   exchange.sum_over_ranks(nodal);
-  const double scaling = context.stage.stepping.mass_scaling;
-  Kokkos::parallel_for(
-      "project", Kokkos::RangePolicy<ExecutionSpace>(0, nodal.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { nodal(i) = scaling * nodal(i) / m(i); });
+  divide(nodal, context.stage.stepping.mass_scaling, inertia);
   return nodal;
 }
 
@@ -193,7 +236,6 @@ template <int dim> void ExplicitStep<dim>::find_body_force(const double time)
 template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
 {
   find_body_force(time);
-  const NodalVector internal = force, full_weight = weight;
   Kokkos::deep_copy(force, 0.);
   const unsigned long inverted = advance_stress_and_force<dim>(
       context.soil.particles().arrays(), basis.stencils, context.soil.materials(), increment, path, force, basis.cells);
@@ -206,27 +248,16 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
   else
     body_increments.assign(context.bodies.points.size(), Vector6::Zero());
   exchange.sum_over_ranks(force);
-  const double factor = load.gravity_factor;
-  Kokkos::parallel_for(
-      "unbalanced force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { internal(i) = factor * full_weight(i) - internal(i); });
-  if (const NodalVector acting = body_force; acting.extent(0) > 0)
-    Kokkos::parallel_for(
-        "body force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
-        KOKKOS_LAMBDA(const std::size_t i) { internal(i) += acting(i); });
+  KokkosBlas::axpby(load.gravity_factor, weight, -1., force);
+  if (body_force.extent(0) > 0)
+    KokkosBlas::axpy(1., body_force, force);
   return sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) == 0;
 }
 
-/// Lets the unbalanced forces act for a time. Local damping opposes every velocity by a share of them (Cundall 1987).
+/// Lets the unbalanced forces act for a time.
 template <int dim> void ExplicitStep<dim>::kick(const double time)
 {
-  const NodalVector f = force, v = velocity, m = inertia;
-  const double damping = context.stage.stepping.damping;
-  Kokkos::parallel_for(
-      "kick", Kokkos::RangePolicy<ExecutionSpace>(0, f.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
-        const double opposed = v(i) == 0. ? 0. : std::copysign(damping * std::fabs(f(i)), v(i));
-        v(i) += time / m(i) * (f(i) - opposed);
-      });
+  kick_nodes(velocity, force, inertia, time, context.stage.stepping.damping);
   if (!motion)
     return;
   const BodyLoads now = context.soil.contact().loads();
@@ -235,13 +266,7 @@ template <int dim> void ExplicitStep<dim>::kick(const double time)
   motion->kick(now, gravity(), time);
 }
 
-template <int dim> void ExplicitStep<dim>::drift(const double time)
-{
-  const NodalVector v = velocity, d = increment;
-  Kokkos::parallel_for(
-      "drift", Kokkos::RangePolicy<ExecutionSpace>(0, d.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { d(i) += time * v(i); });
-}
+template <int dim> void ExplicitStep<dim>::drift(const double time) { KokkosBlas::axpy(time, velocity, increment); }
 
 template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
 {
@@ -259,19 +284,11 @@ template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
 /// square leaves smooth motion alone, of which the lumped mass takes a little at every projection.
 template <int dim>
 View<double* [3]> ExplicitStep<dim>::unseen_velocity() const {
-  const View<double* [3]> all = context.soil.particles().arrays().velocity;
-  const auto without = [&](const View<double* [3]>& quantity, const NodalVector& nodal)
-  {
-    const View<double* [3]> rest = interpolate_to_particles(basis.stencils, nodal);
-    Kokkos::parallel_for(
-        "unseen velocity", Kokkos::RangePolicy<ExecutionSpace>(0, rest.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
-          for (int d = 0; d < dim; ++d)
-            rest(p, d) = quantity(p, d) - rest(p, d);
-        });
-    return rest;
-  };
-  const View<double* [3]> once = without(all, start_velocity);
-  return without(once, project(once));
+  const ParticleVectors once = interpolate_to_particles(basis.stencils, start_velocity);
+  take_from<dim>(context.soil.particles().arrays().velocity, once);
+  const ParticleVectors twice = interpolate_to_particles(basis.stencils, project(once));
+  take_from<dim>(once, twice);
+  return twice;
 }
 
 template <int dim>
@@ -280,13 +297,11 @@ SoilIncrements ExplicitStep<dim>::soil_increments() const
   ParticleIncrements increments =
       interpolate_increments<dim>(context.soil.particles().arrays(), basis.stencils, increment, basis.cells);
   const NodalVector change = exchange.make_nodal_vector();
-  const NodalVector start = start_velocity, end = velocity;
+  Kokkos::deep_copy(change, velocity);
+  KokkosBlas::axpy(-1., start_velocity, change);
+  const ParticleVectors gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
   Kokkos::parallel_for(
-      "velocity change", Kokkos::RangePolicy<ExecutionSpace>(0, change.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { change(i) = end(i) - start(i); });
-  const View<double*[3]> gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
-  Kokkos::parallel_for(
-      "damp noise", Kokkos::RangePolicy<ExecutionSpace>(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
+      "damp noise", Policy(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
         for (int d = 0; d < dim; ++d)
           gained(p, d) -= noise_taken * unseen(p, d);
       });

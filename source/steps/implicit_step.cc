@@ -1,3 +1,5 @@
+#include <KokkosBlas1_axpby.hpp>
+#include <KokkosBlas1_scal.hpp>
 #include <cmath>
 #include <kedge/assembly/force_sizes.h>
 #include <kedge/assembly/volume_average.h>
@@ -28,6 +30,25 @@ void append(NewtonReport& report, const NewtonReport& next)
 double next_augmentation(const double factor, const double left)
 {
   return left > 1. ? std::max(1., 0.25 * factor) : left > 0.5 ? 2. * factor : factor;
+}
+
+/// By particle, in the first component: g and the larger of two accelerations. A function of its own, for nvcc refuses
+/// kernels in private ones of a class.
+template <int dim>
+View<double* [3]> sizes_of_accelerations(const double g, const View<double* [3]>& first, const View<double* [3]>& last)
+{
+  const View<double* [3]> size("size of forces", first.extent(0));
+  Kokkos::parallel_for(
+      "size of forces", Kokkos::RangePolicy<ExecutionSpace>(0, size.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
+        double before = 0., after = 0.;
+        for (int d = 0; d < dim; ++d)
+        {
+          before += first(p, d) * first(p, d);
+          after += last(p, d) * last(p, d);
+        }
+        size(p, 0) = g + std::sqrt(std::fmax(before, after));
+      });
+  return size;
 }
 } // namespace
 
@@ -159,18 +180,8 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
   { return context.body_force->evaluate(points, time, basis.nodes.communicator); };
   const View<double* [3]> first = evaluate(load.start_time);
   const View<double* [3]> last = context.body_force->depends_on_time() ? evaluate(load.end_time) : first;
-  const View<double* [3]> size("size of forces", particles.n);
   const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
-  Kokkos::parallel_for(
-      "size of forces", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const std::size_t p) {
-        double before = 0., after = 0.;
-        for (int d = 0; d < dim; ++d)
-        {
-          before += first(p, d) * first(p, d);
-          after += last(p, d) * last(p, d);
-        }
-        size(p, 0) = g + std::sqrt(std::fmax(before, after));
-      });
+  const View<double* [3]> size = sizes_of_accelerations<dim>(g, first, last);
 
   const auto at_nodes = [&](const View<double* [3]>& quantity)
   {
@@ -182,9 +193,7 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
   const auto norm = [&](const View<double* [3]>& quantity, const double factor)
   {
     const NodalVector nodal = at_nodes(quantity);
-    Kokkos::parallel_for(
-        "scale", Kokkos::RangePolicy<ExecutionSpace>(0, nodal.extent(0)),
-        KOKKOS_LAMBDA(const std::size_t i) { nodal(i) *= factor; });
+    KokkosBlas::scal(nodal, factor, nodal);
     add_force_sizes(dim, nodal, given_sizes);
     TpetraVector owned(system().graph().row_map);
     system().collect(nodal, owned);
@@ -271,15 +280,9 @@ template <int dim> Prediction ImplicitStep<dim>::predict_next() const
 /// Forces that do not follow from the increment.
 template <int dim> void ImplicitStep<dim>::add_given_forces(const NodalVector& force) const
 {
-  const double factor = load.gravity_factor;
-  const NodalVector weight = full_weight;
-  Kokkos::parallel_for(
-      "weight", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
-      KOKKOS_LAMBDA(const std::size_t i) { force(i) -= factor * weight(i); });
-  if (const NodalVector acting = body_force; acting.extent(0) > 0)
-    Kokkos::parallel_for(
-        "body force", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0)),
-        KOKKOS_LAMBDA(const std::size_t i) { force(i) -= acting(i); });
+  KokkosBlas::axpy(-load.gravity_factor, full_weight, force);
+  if (body_force.extent(0) > 0)
+    KokkosBlas::axpy(-1., body_force, force);
 }
 
 template <int dim> double ImplicitStep<dim>::residual(const TpetraVector& x, TpetraVector& r)
