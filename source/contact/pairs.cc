@@ -189,7 +189,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         pair.trial = pair.augmented = pair.committed;
         const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
         host_pairs(n_pairs) = pair;
-        host_rests(n_pairs) = {s, false, (pair.start - pose.position).norm(), 0.};
+        host_rests(n_pairs) = {s, false, false, (pair.start - pose.position).norm(), 0.};
         ++n_pairs;
       }
     }

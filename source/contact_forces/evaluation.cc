@@ -225,6 +225,7 @@ template <int dim> struct EvaluatePoint
       pair.position = pair.start + displacement;
       respond(pair, surface, keeps_multipliers);
       put_to_rest(pair, surface, rest);
+      rest.followed = false;
       if (!pair.active)
         continue;
       acts = true;

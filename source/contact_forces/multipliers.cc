@@ -52,8 +52,10 @@ struct Depth
 void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
 {
   const View<ContactPair*> pairs = contact.pairs;
+  const View<ContactRest*> rests = contact.rests;
   Kokkos::parallel_for(
       "reset multipliers", Policy(0, n_pairs), KOKKOS_LAMBDA(const std::size_t k) {
+        rests(k).followed = false;
         pairs(k).augmented = pairs(k).committed;
         pairs(k).slip_begin.setZero();
         pairs(k).on_plane = false;
@@ -79,8 +81,12 @@ void augment(const ContactArrays& contact, const std::size_t n_pairs, const doub
 void follow_path(const ContactArrays& contact, const std::size_t n_pairs)
 {
   const View<ContactPair*> pairs = contact.pairs;
+  const View<ContactRest*> rests = contact.rests;
   Kokkos::parallel_for(
       "follow path", Policy(0, n_pairs), KOKKOS_LAMBDA(const std::size_t k) {
+        if (rests(k).asleep && rests(k).followed)
+          return;
+        rests(k).followed = true;
         pairs(k).augmented.tangential = pairs(k).proposed.tangential; // none where nothing touches
         pairs(k).slip_begin = pairs(k).slip;
       });
