@@ -29,7 +29,7 @@ template <int dim> struct LineariseKernel
     const Eigen::Matrix3d dF = matrix_of(points.particles.trial_deformation, p);
     PrincipalTangent tangent;
     points.evaluate(p, determinant(dF), tangent);
-    store(p, tangent, dF);
+    store(p, tangent, integration_volume(points.particles, points.stencils, p), dF);
   }
 
   KEDGE_FUNCTION void operator()(const unsigned int c) const
@@ -48,7 +48,7 @@ template <int dim> struct LineariseKernel
           for (int n = 0; n < dim; ++n)
             tangent.direct[m][n] +=
                 dilation.stress[m] * dilation.volume[n] / dilation.compliance - points.cells.spring(p) * J;
-      store(p, tangent, dF);
+      store(p, tangent, volume, dF);
       CellModuli<dim>::store(dilation, volume, J, &derivative.cell(p, 0));
       compliance += volume * dilation.compliance;
       total += volume * J;
@@ -57,9 +57,10 @@ template <int dim> struct LineariseKernel
     derivative.spring(c) = shares ? points.cells.spring(begin) / total : 0.;
   }
 
-  KEDGE_FUNCTION void store(const unsigned int p, const PrincipalTangent& tangent, const Eigen::Matrix3d& dF) const
+  KEDGE_FUNCTION void store(const unsigned int p, const PrincipalTangent& tangent, const double volume,
+                            const Eigen::Matrix3d& dF) const
   {
-    PrincipalModuli<dim>::store(tangent, integration_volume(points.particles, points.stencils, p),
+    PrincipalModuli<dim>::store(tangent, volume,
                                 trial_frame<dim>(points.particles, points.cells.volume_factor, p).directions,
                                 inverse(dF), &derivative.moduli(p, 0));
   }
