@@ -24,7 +24,7 @@ foreach(scene ${scenes})
   add_test(NAME scene-${name}
            COMMAND ${KEDGE_PYTHON} ${PROJECT_SOURCE_DIR}/tests/scenes/run-scene ${scene} --program $<TARGET_FILE:kedge>)
   set_tests_properties(scene-${name} PROPERTIES LABELS scene TIMEOUT ${scene_timeout})
-  file(STRINGS ${scene} two_ranks REGEX "\"ranks\": 2")
+  file(STRINGS ${scene} two_ranks REGEX "\"ranks\": [2-9]")
   if(two_ranks)
     set_tests_properties(scene-${name} PROPERTIES PROCESSORS 2)
   endif()

@@ -8,13 +8,15 @@ list(TRANSFORM folders REPLACE "^(${PROJECT_SOURCE_DIR}/.*)$" "$<BUILD_INTERFACE
 target_include_directories(trilinos SYSTEM INTERFACE ${folders})
 target_link_libraries(trilinos INTERFACE ${Trilinos_LIBRARIES} ${Trilinos_TPL_LIBRARIES})
 if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-fopenmp") # its Kokkos has threads
+  set(KEDGE_PRECOMPILED OFF) # which would take Kokkos from the Trilinos of deal.II
   find_package(OpenMP REQUIRED COMPONENTS CXX)
   target_link_libraries(trilinos INTERFACE OpenMP::OpenMP_CXX)
 endif()
 # One built for NVIDIA's GPUs needs its nvcc_wrapper as compiler here, too, and the same architecture.
 if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-arch=(sm_[0-9]+)")
   target_compile_options(trilinos INTERFACE --expt-extended-lambda --expt-relaxed-constexpr -arch=${CMAKE_MATCH_1})
-  # A kernel that calls a function of the host's is only warned of, and hangs.
+  # A kernel that calls a function of the host's is only warned of, and hangs. Rooms without kernels may include
+  # libraries that give such warnings.
   set(kedge_kernel_options "SHELL:-Xcudafe --diag_error=20011" "SHELL:-Xcudafe --diag_error=20014")
   target_link_options(trilinos INTERFACE -arch=${CMAKE_MATCH_1} -Wl,--as-needed)
   # Among Boost's integers of 128 bits, which CGAL includes, is a constant that g++ takes from nvcc only so.
@@ -94,7 +96,7 @@ function(kedge_share_headers target kind)
   endif()
 endfunction()
 
-# kedge_room(name KERNELS ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
+# kedge_room(name HEADERS ... KERNELS ROOMS ... HEADERS_OF ... LINKS ... PRIVATE_LINKS ...)
 #   ROOMS          rooms that it may include and links
 #   HEADERS_OF     rooms that it may include without linking; only scripts/checks/check-floors reads this list
 #   LINKS          packages that it and every room above it links

@@ -75,7 +75,7 @@ void add_file_arguments(CLI::App& command, Arguments& arguments)
 void add_run_arguments(CLI::App& command, Arguments& arguments, const std::string& folder)
 {
   command.add_option("-o,--output", arguments.output, "Folder for all output " + folder);
-  command.add_flag("--cpu", arguments.cpu, "Run on the CPU, whatever \"GPU\" in the input says");
+  command.add_flag("--cpu", arguments.cpu, "Take \"GPU\" in the input for \"off\"");
   command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
   command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");

@@ -2,11 +2,11 @@
 
 #include <Tpetra_Core.hpp>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <kedge/base/failure.h>
 #include <kedge/base/kokkos.h>
 #include <mpi.h>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -51,28 +51,28 @@ struct KokkosArguments
 
 struct Environment::Scopes
 {
-  Scopes(int& argc, char**& argv) : mpi(argc, argv), kokkos(argc, argv), tpetra(&kokkos.count, &kokkos.first) {}
+  Scopes(int& argc, char**& argv) : mpi(argc, argv), kokkos(argc, argv)
+  {
+    try
+    {
+      tpetra.emplace(&kokkos.count, &kokkos.first);
+    }
+    catch (const std::runtime_error& error)
+    {
+      if (device_is_host)
+        throw;
+      const std::string reason = error.what(); // its first line; a trace of calls follows
+      abort_all_ranks(
+          {bad_input, "",
+           "no GPU can be used here, but this build computes on one: " + reason.substr(0, reason.find('\n'))});
+    }
+  }
   MpiScope mpi;
   KokkosArguments kokkos;
-  Tpetra::ScopeGuard tpetra;
+  std::optional<Tpetra::ScopeGuard> tpetra;
 };
 
-Environment::Environment(int& argc, char**& argv)
-{
-  try
-  {
-    scopes = std::make_unique<Scopes>(argc, argv);
-  }
-  catch (const std::runtime_error& error)
-  {
-    if (device_is_host)
-      throw;
-    const std::string reason = error.what(); // its first line; a trace of calls follows
-    std::fprintf(stderr, "no GPU can be used here, but this build computes on one: %s\n",
-                 reason.substr(0, reason.find('\n')).c_str());
-    std::exit(bad_input);
-  }
-}
+Environment::Environment(int& argc, char**& argv) : scopes(std::make_unique<Scopes>(argc, argv)) {}
 Environment::~Environment() = default;
 
 int Environment::rank() const

@@ -81,8 +81,9 @@ Section<Input> input_section()
   Section<Input> section("Input of Kedge: SI units, degrees, tension positive, z up. Systems and points are numbered "
                          "from 1, paths are relative to the input file");
   section.ignored("$schema", "Not read: where editors find what `kedge schema` prints");
-  section.required("GPU", &Input::gpu, on_off(),
-                   "Run on the device back end; a build without one warns and uses the CPU");
+  section.required(
+      "GPU", &Input::gpu, on_off(),
+      "Run on a GPU. Builds compute either on one or on the CPU; one that has not what is asked for warns");
   section.optional("dimension", &Input::dimension, count(Bounds().at_least(2).at_most(3)),
                    "3, or 2 for plane strain, where vectors are [x, z]");
   section.optional("basis", &Input::basis, choice<Basis>({{"gimp", Basis::gimp}, {"mpm", Basis::mpm}}),

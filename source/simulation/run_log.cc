@@ -35,7 +35,7 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
   if (input.gpu && !has_gpu)
     terminal.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
   if (!input.gpu && has_gpu)
-    terminal.warn("\"GPU\" is \"off\", but this build computes on a GPU: another one is needed for the CPU");
+    terminal.warn("\"GPU\" is \"off\", but this build has no other back end: running on the GPU");
 }
 
 void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies)

@@ -70,7 +70,7 @@ bool solve_directly(const TpetraMatrix& matrix, const TpetraMultiVector& b, Tpet
   if (communicator->getSize() == 1)
     return factorise_and_solve(matrix, b, x);
 
-  // Tpetra does not show the host what somebody else reaches on the device, as System does.
+  // Rows are packed on the host, which Tpetra refuses while somebody else, as System, holds their values on the device.
   const TpetraMatrix own(matrix, Teuchos::Copy);
   const std::size_t n = matrix.getGlobalNumRows(), n_sides = b.getNumVectors();
   const bool first = communicator->getRank() == 0;

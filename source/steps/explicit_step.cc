@@ -195,7 +195,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
 }
 
 /// Sum over the particles of their mass times a quantity, over the mass of the nodes; zero at held dofs.
-template <int dim> NodalVector ExplicitStep<dim>::project(const View<double* [3]>& quantity) const
+template <int dim> NodalVector ExplicitStep<dim>::project(const ParticleVectors& quantity) const
 {
   const NodalVector nodal = exchange.make_nodal_vector();
   add_particle_momentum(context.soil.particles().arrays(), basis.stencils, quantity, nodal);

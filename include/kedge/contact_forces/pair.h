@@ -61,7 +61,7 @@ struct ContactRest
 {
   unsigned int surface;
   bool asleep;      ///< the last response is that of a pair that touches nothing
-  bool followed;    ///< the path has been followed to the last response
+  bool followed;    ///< follow_path() has taken over the last response
   double lever;     ///< distance of the corner from the body's origin at the start of the step, m
   double clearance; ///< m that they may go against each other, from the start of the step, without touching
 };

@@ -108,6 +108,18 @@ TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
   EXPECT_GT(least, 0.7 * at_rest);
 }
 
+TEST(Explicit, ABodyOutOfReachLeavesTheStableStep)
+{
+  Block block(-9.81);
+  const double alone = ExplicitStep<3>(block.context()).critical_time_step();
+  block.stage.rigid_bodies = true;
+  block.bodies.points.emplace_back();
+  block.bodies.points[0].pose.position = {10., 10., 10.};
+  block.bodies.points[0].conditions.fill({DofCondition::Kind::fixed, 0.});
+  block.bodies.surfaces.push_back({Surface(test::box({-0.3, -0.3, 0.}, {0.3, 0.3, 0.5})), 0});
+  EXPECT_DOUBLE_EQ(ExplicitStep<3>(block.context()).critical_time_step(), alone);
+}
+
 /// The bound is safe, and what it gives away is less than half.
 TEST(Explicit, StableStepIsWhereTheoryPutsIt)
 {
