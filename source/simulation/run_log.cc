@@ -5,6 +5,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
+#include <kedge/base/kokkos.h>
 #include <kedge/simulation/run_log.h>
 #include <kedge/simulation/version.h>
 
@@ -31,10 +32,9 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
   summary.gpu_requested = input.gpu;
   summary.ranks = size_of(MPI_COMM_WORLD);
   summary.libraries = library_versions();
-  const bool has_gpu = back_end() == "Cuda" || back_end() == "HIP";
-  if (input.gpu && !has_gpu)
+  if (input.gpu && device_is_host)
     terminal.warn("\"GPU\" is \"on\", but this build has no GPU back end: running on the CPU");
-  if (!input.gpu && has_gpu)
+  if (!input.gpu && !device_is_host)
     terminal.warn("\"GPU\" is \"off\", but this build has no other back end: running on the GPU");
 }
 
