@@ -146,11 +146,10 @@ Matrices make_matrices(const BackgroundMesh<dim>& mesh, const bool octree, const
   const ParticleArrays arrays = make_arrays(particles.centre.size(), particles.volume);
 
   const BoxParts<dim> parts = find_box_parts<dim>(table, particles.centre, particles.half_width, particles.leaf);
-  HostStencils host = build_stencils<dim>(
-      table,
-      gimp ? parts
-           : find_box_parts<dim>(table, particles.centre, point_boxes<dim>(particles.half_width), particles.leaf),
-      particles.leaf);
+  HostStencils host =
+      build_stencils<dim>(table, gimp ? parts
+                                      : find_box_parts<dim>(table, particles.centre,
+                                                            point_boxes<dim>(particles.half_width), particles.leaf));
   const std::vector<double> young = download(arrays.young), mass = download(arrays.mass),
                             volume = download(arrays.initial_volume);
   const std::vector<LeafContent> contents =

@@ -71,8 +71,7 @@ struct Block
   {
     const LeafTable<3>& table = mesh.leaves();
     HostStencils host = build_stencils<3>(
-        table, find_box_parts<3>(table, particles.positions(), particles.half_widths(), particles.leaves()),
-        particles.leaves());
+        table, find_box_parts<3>(table, particles.positions(), particles.half_widths(), particles.leaves()));
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;
@@ -177,11 +176,9 @@ void stencils(benchmark::State& state, const double shift)
 {
   const Block block(law_index<Elastic>, shift);
   for (auto _ : state)
-    benchmark::DoNotOptimize(
-        build_stencils<3>(block.mesh.leaves(),
-                          find_box_parts<3>(block.mesh.leaves(), block.particles.positions(),
-                                            block.particles.half_widths(), block.particles.leaves()),
-                          block.particles.leaves()));
+    benchmark::DoNotOptimize(build_stencils<3>(
+        block.mesh.leaves(), find_box_parts<3>(block.mesh.leaves(), block.particles.positions(),
+                                               block.particles.half_widths(), block.particles.leaves())));
   block.report(state);
 }
 

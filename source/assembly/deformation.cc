@@ -20,8 +20,7 @@ template <int dim> struct DeformationKernel
     bool admissible[width];
     for (unsigned int i = 0; i < width; ++i)
     {
-      // in an order that visits nodes close in memory
-      const unsigned int p = stencils.pattern_particles(first + (i < n ? i : 0));
+      const unsigned int p = first + (i < n ? i : 0);
       const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
       set_matrix(particles.trial_deformation, p, dF);
       frames.set(i, internal::push_forward(dF, row_of(particles.elastic_left_cauchy_green, p)));
@@ -32,7 +31,7 @@ template <int dim> struct DeformationKernel
     for (unsigned int i = 0; i < n; ++i)
     {
       const PrincipalFrame frame = dim == 3 ? frames.frame_of(i) : plane_frame(frames.tensor_of(i));
-      const unsigned int p = stencils.pattern_particles(first + i);
+      const unsigned int p = first + i;
       for (int j = 0; j < 3; ++j)
         particles.trial_frame(p, j) = admissible[i] ? frame.values[j] : 0.;
       for (int j = 0; j < 9; ++j)

@@ -57,11 +57,11 @@ template <int dim> struct PathKernel
     return 0;
   }
 
-  /// The same for `width` particles by themselves, in an order that visits nodes close in memory.
+  /// The same for `width` particles by themselves.
   KEDGE_FUNCTION unsigned long follow_batch(const unsigned int first) const
   {
     const unsigned int rest = particles.n - first, n = rest < width ? rest : width;
-    const auto particle = [&](const unsigned int i) { return stencils.pattern_particles(first + i); };
+    const auto particle = [first](const unsigned int i) { return first + i; };
     for (unsigned int i = 0; i < n; ++i)
       deform(particle(i));
     const unsigned long inverted = advance(particle, n, [](const unsigned int) { return 1.; });

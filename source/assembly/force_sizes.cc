@@ -9,8 +9,7 @@ void add_internal_force_sizes(const ParticleArrays& particles, const StencilSet&
 {
   Kokkos::parallel_for(
       "sizes of internal forces", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-      KOKKOS_LAMBDA(const unsigned int i) {
-        const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
+      KOKKOS_LAMBDA(const unsigned int p) {
         const Eigen::Matrix3d to_start = inverse(matrix_of(particles.trial_deformation, p));
         const Eigen::Matrix3d flux = integration_volume(particles, stencils, p) *
                                      full_matrix(row_of(particles.trial_stress, p)) * to_start.transpose();

@@ -9,6 +9,9 @@ namespace kedge
 {
 namespace
 {
+/// Columns that are summed at once: all of a particle in regular cells.
+constexpr unsigned int mass_block = 27;
+
 /// Two sums a component, which do not wait for each other.
 template <int dim>
 void add_mass_product(const NodeGraph& graph, const NodalMass& mass, const double factor, const NodalVector& x,
@@ -69,31 +72,52 @@ void add_particle_mass(const ParticleArrays& particles, const StencilSet& stenci
 {
   const auto row_begin = graph.row_begin;
   const auto column = graph.column;
+  if (lumped)
+  {
+    Kokkos::parallel_for(
+        "lumped mass", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
+          const ParticleNodes at = nodes_of(stencils, p);
+          for (unsigned int v = 0; v < at.n; ++v)
+            add_to(mass(find_entry(row_begin, column, at.node[v], at.node[v])), particles.mass(p) * at.value[v]);
+        });
+    return;
+  }
+  // The diagonal and what is right of it, then the rest: M is symmetric.
   Kokkos::parallel_for(
       "particle mass", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_patterns),
       KOKKOS_LAMBDA(const std::size_t pattern) {
         const unsigned int first = stencils.pattern_node_begin(pattern);
         const unsigned int n = stencils.pattern_node_begin(pattern + 1) - first;
-        const unsigned int begin = stencils.pattern_particle_begin(pattern),
-                           end = stencils.pattern_particle_begin(pattern + 1);
         for (unsigned int a = 0; a < n; ++a)
         {
           const unsigned int row = stencils.pattern_nodes(first + a);
-          std::size_t at = lumped ? find_entry(row_begin, column, row, row) : row_begin(row);
-          for (unsigned int b = lumped ? a : 0; b < (lumped ? a + 1 : n); ++b)
+          std::size_t at = find_entry(row_begin, column, row, row);
+          for (unsigned int b = a; b < n; b += mass_block)
           {
-            while (column(at) != stencils.pattern_nodes(first + b)) // both lists ascend
-              ++at;
-            double sum = 0.;
-            for (unsigned int i = begin; i < end; ++i)
+            const unsigned int length = n - b < mass_block ? n - b : mass_block;
+            double sum[mass_block] = {};
+            for (unsigned int i = stencils.pattern_particle_begin(pattern);
+                 i < stencils.pattern_particle_begin(pattern + 1); ++i)
             {
               const unsigned int p = stencils.pattern_particles(i);
               const double* value = &stencils.value(stencils.value_begin(p));
-              sum += particles.mass(p) * value[a] * (lumped ? 1. : value[b]);
+              const double share = particles.mass(p) * value[a];
+              for (unsigned int k = 0; k < length; ++k)
+                sum[k] += share * value[b + k];
             }
-            add_to(mass(at), sum);
+            for (unsigned int k = 0; k < length; ++k)
+            {
+              while (column(at) != stencils.pattern_nodes(first + b + k)) // both lists ascend
+                ++at;
+              add_to(mass(at), sum[k]);
+            }
           }
         }
+      });
+  Kokkos::parallel_for(
+      "mirror mass", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        for (std::size_t k = row_begin(row); column(k) < row; ++k)
+          mass(k) = mass(find_entry(row_begin, column, column(k), row));
       });
 }
 
@@ -150,7 +174,8 @@ NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, con
 }
 
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
-                           const bool lumped, const NodeGraph& graph, const System& system)
+                           const bool lumped, const bool with_acceleration, const NodeGraph& graph,
+                           const System& system)
 {
   NodalMotion motion;
   motion.mass = NodalMass("nodal mass", graph.column.extent(0));
@@ -167,7 +192,7 @@ NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& st
     return divide_by_mass(right_side, graph, motion.mass, system);
   };
   motion.velocity = project(particles.velocity);
-  motion.acceleration = project(particles.acceleration);
+  motion.acceleration = with_acceleration ? project(particles.acceleration) : system.make_nodal_vector();
   return motion;
 }
 

@@ -15,8 +15,7 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
       "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-      KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) {
-        const unsigned int p = stencils.pattern_particles(i); // in an order that visits nodes close in memory
+      KOKKOS_LAMBDA(const unsigned int p, unsigned long& inverted) {
         const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
         const StressUpdate update = update_stress(trial_frame<dim>(particles, factor, p),
                                                   {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},

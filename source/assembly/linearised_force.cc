@@ -174,7 +174,7 @@ LinearisedForce linearise_force(const ParticleArrays& particles, const StencilSe
   if (cells.empty())
     Kokkos::parallel_for(
         "linearise", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-        KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.points.stencils.pattern_particles(i)); });
+        KOKKOS_LAMBDA(const unsigned int p) { kernel.particle(p); });
   else
     Kokkos::parallel_for("linearise by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
   return derivative;
@@ -191,7 +191,7 @@ void add_linearised_force(const StencilSet& stencils, const CellGroups& cells, c
   if (cells.empty())
     Kokkos::parallel_for(
         "product", Kokkos::RangePolicy<ExecutionSpace>(0, stencils.n_particles),
-        KOKKOS_LAMBDA(const unsigned int i) { kernel.particle(kernel.stencils.pattern_particles(i)); });
+        KOKKOS_LAMBDA(const unsigned int p) { kernel.particle(p); });
   else
     Kokkos::parallel_for("product by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()), kernel);
   Kokkos::parallel_for(

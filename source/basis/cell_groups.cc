@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <kedge/basis/cell_groups.h>
+#include <utility>
 
 namespace kedge
 {
@@ -13,20 +14,22 @@ CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned 
   const std::size_t n = leaf_of_particle.size();
   const unsigned int n_nodes =
       pattern_nodes.empty() ? 0 : *std::max_element(pattern_nodes.begin(), pattern_nodes.end()) + 1;
-  std::vector<std::size_t> last_cell(n_nodes, 0); // by node, the number of cells with the last one that has it
+  // By node and by pattern, the number of cells with the last one that has it.
+  std::vector<std::size_t> last_cell(n_nodes, 0), last_cell_of_pattern(stencils.n_patterns, 0);
   for (std::size_t begin = 0, end = 0; begin < n; begin = end)
   {
-    unsigned int last = pattern[begin]; // the patterns of a cell are consecutive; its first particle has the first
     const unsigned int leaf = leaf_of_particle[begin];
     const std::size_t most = is_full[leaf] ? n : begin + 1;
+    const std::size_t number = particle_begin.size();
     for (end = begin; end < most && leaf_of_particle[end] == leaf; ++end)
-      last = std::max(last, pattern[end]);
-    for (unsigned int i = pattern_begin[pattern[begin]]; i < pattern_begin[last + 1]; ++i)
-      if (std::size_t& cell = last_cell[pattern_nodes[i]]; cell != particle_begin.size())
-      {
-        cell = particle_begin.size();
-        nodes.push_back(pattern_nodes[i]);
-      }
+    {
+      const unsigned int k = pattern[end];
+      if (std::exchange(last_cell_of_pattern[k], number) == number)
+        continue;
+      for (unsigned int i = pattern_begin[k]; i < pattern_begin[k + 1]; ++i)
+        if (std::exchange(last_cell[pattern_nodes[i]], number) != number)
+          nodes.push_back(pattern_nodes[i]);
+    }
     std::sort(nodes.begin() + node_begin.back(), nodes.end());
     particle_begin.push_back(end);
     node_begin.push_back(nodes.size());

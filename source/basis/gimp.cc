@@ -77,25 +77,30 @@ template <int dim> class PatternSearch
 {
 public:
   PatternSearch(const LeafTable<dim>& table_, const BoxParts<dim>& parts_, HostStencils& stencils_)
-      : table(table_), parts(parts_), stencils(stencils_), mark(table_.node_ids.size(), -1), place(mark.size())
+      : table(table_),
+        parts(parts_),
+        stencils(stencils_),
+        newest(table_.leaves.size(), none),
+        mark(table_.node_ids.size(), -1),
+        place(mark.size())
   {
     stencils.pattern_node_begin.assign(1, 0);
   }
-
-  /// Only particles of one leaf share patterns, so each leaf starts a new list.
-  void begin_leaf() { first = n_patterns(); }
 
   /// Number of the pattern of particle p, which is added if it is new.
   unsigned int pattern_of(const std::size_t p)
   {
     const auto leaves = parts.leaf.begin() + parts.begin[p], end = parts.leaf.begin() + parts.begin[p + 1];
-    for (unsigned int k = first; k < n_patterns(); ++k)
+    unsigned int& head = newest[*leaves];
+    for (unsigned int k = head; k != none; k = older[k])
       if (const auto known = parts.leaf.begin() + parts.begin[model[k]],
           known_end = parts.leaf.begin() + parts.begin[model[k] + 1];
           std::equal(known, known_end, leaves, end))
         return k;
+    older.push_back(head);
+    head = static_cast<unsigned int>(model.size());
     add(p);
-    return n_patterns() - 1;
+    return head;
   }
 
   /// By pattern, for the leaves of its parts one after the other: where in the pattern's nodes each of the leaf's is.
@@ -103,7 +108,7 @@ public:
   std::vector<std::size_t> slot_begin;
 
 private:
-  unsigned int n_patterns() const { return static_cast<unsigned int>(model.size()); }
+  static constexpr unsigned int none = -1;
 
   void add(const std::size_t p)
   {
@@ -138,7 +143,8 @@ private:
   const LeafTable<dim>& table;
   const BoxParts<dim>& parts;
   HostStencils& stencils;
-  std::size_t first = 0;             ///< pattern of the current leaf
+  std::vector<unsigned int> newest;  ///< by leaf, the last pattern whose first part lies in it
+  std::vector<unsigned int> older;   ///< by pattern, the one before with the same leaf of the first part
   std::vector<std::size_t> model;    ///< by pattern, a particle that has it
   std::vector<int> mark;             ///< by node, the last pattern that has it
   std::vector<unsigned short> place; ///< by node, its place in that pattern
@@ -237,18 +243,15 @@ void find_leaf_gradients(const LeafTable<dim>& table, const unsigned int number,
 
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const BoxParts<dim>& parts,
-                            const std::vector<unsigned int>& leaf_of_particle,
                             const std::vector<CellCorrection<dim>>& corrections)
 {
-  const std::size_t n = leaf_of_particle.size();
+  const std::size_t n = parts.begin.size() - 1;
   HostStencils stencils;
   stencils.pattern_of_particle.resize(n);
   stencils.value_begin.resize(n + 1, 0);
   PatternSearch<dim> patterns(table, parts, stencils);
   for (std::size_t p = 0; p < n; ++p)
   {
-    if (p == 0 || leaf_of_particle[p] != leaf_of_particle[p - 1])
-      patterns.begin_leaf();
     const unsigned int k = stencils.pattern_of_particle[p] = patterns.pattern_of(p);
     stencils.value_begin[p + 1] =
         stencils.value_begin[p] + stencils.pattern_node_begin[k + 1] - stencils.pattern_node_begin[k];
@@ -325,7 +328,6 @@ template <int dim> StencilSet upload_stencils(HostStencils&& host, const std::ve
   template void find_leaf_gradients<dim>(const LeafTable<dim>&, unsigned int, const std::array<double, dim>&,          \
                                          std::vector<std::array<double, dim>>&);                                       \
   template HostStencils build_stencils<dim>(const LeafTable<dim>&, const BoxParts<dim>&,                               \
-                                            const std::vector<unsigned int>&,                                          \
                                             const std::vector<CellCorrection<dim>>&);                                  \
   template StencilSet upload_stencils<dim>(HostStencils&&, const std::vector<unsigned int>&);
 KEDGE_INSTANTIATE(2)

@@ -144,9 +144,8 @@ void place_on_surface(RigidSystems& systems, const unsigned int axis, const doub
 
 bool is_inside(const RigidSystems& systems, const Eigen::Vector3d& x)
 {
-  return std::any_of(
-      systems.surfaces.begin(), systems.surfaces.end(),
-      [&](const WeldedSurface& welded)
-      { return welded.surface.closest_point_within(systems.points[welded.point].pose.to_body(x), 0.).has_value(); });
+  return std::any_of(systems.surfaces.begin(), systems.surfaces.end(),
+                     [&](const WeldedSurface& welded)
+                     { return welded.surface.is_within(systems.points[welded.point].pose.to_body(x), 0.); });
 }
 } // namespace kedge

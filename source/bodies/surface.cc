@@ -188,6 +188,11 @@ std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d&
   return tree->on_host().find_within(x, distance, known, closest) ? std::optional<ClosestPoint>(closest) : std::nullopt;
 }
 
+bool Surface::is_within(const Eigen::Vector3d& x, const double distance) const
+{
+  return tree->on_host().is_within(x, distance);
+}
+
 double Surface::least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const
 {
   return tree->on_host().least_gap(x, known);

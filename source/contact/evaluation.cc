@@ -90,7 +90,7 @@ template <int dim> BodyTangents Contact<dim>::load_tangents() const
   return result;
 }
 
-template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
+template <int dim> std::unordered_map<long long, double> Contact<dim>::smallest_gaps(const RigidSystems& moved) const
 {
   const auto host = pairs.read_on_host();
   struct
@@ -100,11 +100,14 @@ template <int dim> std::map<long long, double> Contact<dim>::smallest_gaps(const
   } const points{copy_to_host(arrays.points.begin), copy_to_host(arrays.points.nodes),
                  copy_to_host(arrays.points.weights)};
   const auto increment = copy_to_host(nodal_increment);
-  std::map<long long, double> gaps;
+  std::unordered_map<long long, double> gaps;
+  auto of_particle = gaps.end();
   for (std::size_t k = 0; k < n_pairs; ++k)
   {
     const ContactPair& pair = host(k);
-    double& smallest = gaps.emplace(pair.key.particle, std::numeric_limits<double>::infinity()).first->second;
+    if (of_particle == gaps.end() || of_particle->first != pair.key.particle) // its pairs follow one another
+      of_particle = gaps.emplace(pair.key.particle, std::numeric_limits<double>::infinity()).first;
+    double& smallest = of_particle->second;
     double gap = pair.gap;
     if (!std::isfinite(gap) && smallest > 0.) // evaluations look no farther than what may press
     {

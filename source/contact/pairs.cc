@@ -47,25 +47,25 @@ std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen:
   for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
   {
     const WeldedSurface& welded = bodies.surfaces[s];
-    const Eigen::Vector3d in_body = bodies.points[welded.point].pose.to_body(x);
-    if (welded.surface.closest_point_within(in_body, radius))
+    if (welded.surface.is_within(bodies.points[welded.point].pose.to_body(x), radius))
       near.push_back(s);
   }
   return near;
 }
 
 /// Nodes of points, as PointForces has them.
-struct Hanging
+template <int dim> struct Hanging
 {
   std::vector<unsigned int> begin{0}, nodes;
   std::vector<double> weights;
+  std::vector<NodeShare<dim>> shares; ///< workspace
 };
 
 /// Adds a corner of a particle to the points, hung on the active nodes of the leaf on its particle's side. False where
 /// there is no such node.
 template <int dim>
 bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& number,
-                const std::array<double, dim>& centre, const std::array<double, dim>& corner, Hanging& points)
+                const std::array<double, dim>& centre, const std::array<double, dim>& corner, Hanging<dim>& points)
 {
   std::array<double, dim> inside;
   for (unsigned int d = 0; d < dim; ++d)
@@ -78,7 +78,8 @@ bool add_corner(const LeafTable<dim>& table, const std::vector<unsigned int>& nu
   for (unsigned int d = 0; d < dim; ++d)
     inside[d] =
         std::clamp(corner[d], table.leaves[leaf].lower[d], table.leaves[leaf].lower[d] + table.leaves[leaf].size);
-  std::vector<NodeShare<dim>> shares;
+  std::vector<NodeShare<dim>>& shares = points.shares;
+  shares.clear();
   add_leaf_shape<dim>(table, leaf, inside, 1., shares);
   // a sliver of the box may reach into a leaf without making all its nodes active
   shares.erase(std::remove_if(shares.begin(), shares.end(),
@@ -125,6 +126,10 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
                               const double reach)
 {
   waiting = history;
+  std::vector<long long> remembered; // particles, ascending
+  for (const auto& entry : history)
+    if (remembered.empty() || remembered.back() != entry.first.particle)
+      remembered.push_back(entry.first.particle);
   // what is found inside a body for the first time has come there with its box, between two steps
   const bool contact_goes_on = sum_over_ranks(static_cast<long long>(history.size()), communicator) > 0;
   std::vector<InterfaceParameters> interfaces;
@@ -135,7 +140,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   std::size_t most_pairs = 0;
   for (std::size_t p = 0; p < particles.centre.size(); ++p)
   {
-    if (!waiting.empty())
+    if (std::binary_search(remembered.begin(), remembered.end(), particles.id[p]))
       waiting.erase(waiting.lower_bound({particles.id[p], 0, 0}), waiting.lower_bound({particles.id[p] + 1, 0, 0}));
     // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
     double radius = reach + particles.travel[p];
@@ -157,7 +162,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   const auto host_pairs = pairs.overwrite_on_host();
   const auto host_rests = rests.overwrite_on_host();
   n_pairs = 0;
-  Hanging points;
+  Hanging<dim> points;
   std::vector<unsigned int> pair_begin;
   for (const auto& [p, near] : near_bodies)
   {

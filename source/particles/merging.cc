@@ -5,6 +5,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/materials/hencky.h>
 #include <kedge/particles/merging.h>
+#include <map>
 
 namespace kedge
 {

@@ -139,7 +139,7 @@ template <int dim> std::vector<std::array<double, dim>> ParticleSet<dim>::initia
   return result;
 }
 
-template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::map<long long, double>& gaps)
+template <int dim> void ParticleSet<dim>::set_contact_gaps(const std::unordered_map<long long, double>& gaps)
 {
   for (auto& particle : particles)
   {

@@ -78,9 +78,11 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   add_force_sizes(dim, full_weight, given_sizes);
   force_measure = ForceMeasure(dim, basis.nodes.communicator, find_node_places().spacing);
 
-  if (context.stage.stepping.type == StageType::dynamic)
-    equations->set_motion(project_motion(context.soil.particles().arrays(), basis.stencils, basis.ghost_faces,
-                                         context.stage.stepping.lumped_mass, equations->mass_graph(), system()));
+  const SteppingParameters& stepping = context.stage.stepping;
+  if (stepping.type == StageType::dynamic)
+    equations->set_motion(project_motion(
+        context.soil.particles().arrays(), basis.stencils, basis.ghost_faces, stepping.lumped_mass,
+        Newmark{stepping.beta, stepping.gamma}.needs_start_acceleration(), equations->mass_graph(), system()));
 }
 
 template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const

@@ -105,7 +105,7 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
       has_ghosts || f_bar ? find_contents(context, whole) : std::vector<LeafContent>();
   const auto corrections =
       f_bar && !at_points ? find_cell_corrections<dim>(table, contents) : std::vector<CellCorrection<dim>>();
-  HostStencils host = build_stencils<dim>(table, parts, particles.leaves(), corrections);
+  HostStencils host = build_stencils<dim>(table, parts, corrections);
   std::vector<unsigned char> used(table.node_ids.size(), 0);
   for (const unsigned int node : host.pattern_nodes)
     used[node] = 1;

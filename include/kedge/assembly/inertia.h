@@ -7,7 +7,8 @@
 
 namespace kedge
 {
-/// Adds M_ab = sum over particles of m S_a S_b. `lumped`: adds its row sums to the diagonal instead.
+/// Adds M_ab = sum over particles of m S_a S_b to a symmetric matrix. `lumped`: adds its row sums to the diagonal
+/// instead.
 void add_particle_mass(const ParticleArrays& particles, const StencilSet& stencils, bool lumped, const NodeGraph& graph,
                        const NodalMass& mass);
 
@@ -36,10 +37,10 @@ struct NodalMotion
 NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
                            const System& system);
 
-/// Projects the particles' velocity and acceleration: M v = sum of m S v_p, M coupling nodes as `graph` says.
-/// Throws SolverError if the system cannot be solved. Collective.
+/// Projects the particles' velocity and, if asked to, acceleration (else 0): M v = sum of m S v_p, M coupling nodes as
+/// `graph` says. Throws SolverError if the system cannot be solved. Collective.
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
-                           bool lumped, const NodeGraph& graph, const System& system);
+                           bool lumped, bool with_acceleration, const NodeGraph& graph, const System& system);
 
 /// Adds M a (N), where a is Newmark's acceleration for the nodal increments (m).
 void add_inertia_force(const NodeGraph& graph, const NodalMotion& motion, const Newmark& newmark,

@@ -21,8 +21,8 @@ struct CellGroups
   KEDGE_FUNCTION std::size_t n_cells() const { return empty() ? 0 : particle_begin.extent(0) - 1; }
 };
 
-/// `leaf_of_particle` must be the one from which the stencils were built. In a leaf that is not full (`is_full`, by
-/// leaf) every particle forms its own group.
+/// Particles of one leaf must follow one another. In a leaf that is not full (`is_full`, by leaf) every particle forms
+/// its own group.
 CellGroups group_by_cell(const StencilSet& stencils, const std::vector<unsigned int>& leaf_of_particle,
                          const std::vector<unsigned char>& is_full);
 

@@ -36,12 +36,10 @@ struct HostStencils
 };
 
 /// Shape functions S_v and grad S_v, averaged over the particles' boxes (Bardenhagen & Kober 2004; one point per part
-/// of a box is exact, Bird et al. 2026, arXiv:2606.09275), in stencils of all particles. `leaf_of_particle` serves only
-/// to find equal patterns; particles of one leaf must be consecutive. `corrections`, one per leaf or none, are those of
-/// the quadrature of full cells, which gradients follow. Every box must have parts.
+/// of a box is exact, Bird et al. 2026, arXiv:2606.09275), in stencils of all particles. `corrections`, one per leaf or
+/// none, are those of the quadrature of full cells, which gradients follow. Every box must have parts.
 template <int dim>
 HostStencils build_stencils(const LeafTable<dim>& table, const BoxParts<dim>& parts,
-                            const std::vector<unsigned int>& leaf_of_particle,
                             const std::vector<CellCorrection<dim>>& corrections = {});
 
 /// Renames the nodes by `number` (leaf-table node -> active node), sorts the nodes of each pattern and copies

@@ -104,6 +104,8 @@ public:
   /// The same result to the last digit, but faster: uses what the last query for this point left in `known`.
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance,
                                                    KnownDistance& known) const;
+  /// Whether closest_point_within() finds something, in less time.
+  bool is_within(const Eigen::Vector3d& x, double distance) const;
   /// A distance (m) that the gap at x is not below, from the bounding box and what the last query left in `known`; 0
   /// where these tell nothing.
   double least_gap(const Eigen::Vector3d& x, const KnownDistance& known = {}) const;

@@ -171,8 +171,12 @@ struct TriangleTree
   /// than the distance to the edge; the margin covers this difference too.
   static constexpr double margin = 1e-6;
 
-  KEDGE_FUNCTION surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit) const;
+  /// `any`: the first that is found within the limit will do.
+  KEDGE_FUNCTION surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit, bool any = false) const;
   KEDGE_FUNCTION ClosestPoint describe(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
+  /// Whether gap <= distance, for distance >= 0: what find_within() finds out, in less time where the gap does not
+  /// matter.
+  KEDGE_FUNCTION bool is_within(const Eigen::Vector3d& x, double distance) const;
   /// Finds the closest point if gap <= distance. This finds every point inside the body, however deep. A far point
   /// costs one comparison with the bounding box. `known` is what the last query for this point has left, and changes
   /// nothing but the time.
@@ -183,7 +187,8 @@ struct TriangleTree
   KEDGE_FUNCTION double least_gap(const Eigen::Vector3d& x, const KnownDistance& known) const;
 };
 
-KEDGE_FUNCTION surface_tree::Nearest TriangleTree::nearest(const Eigen::Vector3d& x, const double squared_limit) const
+KEDGE_FUNCTION surface_tree::Nearest TriangleTree::nearest(const Eigen::Vector3d& x, const double squared_limit,
+                                                           const bool any) const
 {
   struct Entry
   {
@@ -209,6 +214,8 @@ KEDGE_FUNCTION surface_tree::Nearest TriangleTree::nearest(const Eigen::Vector3d
       if (squared_distance <= best.squared_distance)
         best = {squared_distance, found.point, f, found.part};
     }
+    if (any && best.facet != -1u)
+      break;
     if (node.n_facets > 0)
       continue;
     // The nearer child goes on top of the stack: it is searched first and tightens the bound for the other one.
@@ -246,6 +253,19 @@ KEDGE_FUNCTION ClosestPoint TriangleTree::describe(const Eigen::Vector3d& x, con
   const double distance = std::sqrt(nearest.squared_distance), gap = std::copysign(distance, height);
   const Eigen::Vector3d normal = distance > tiny ? Eigen::Vector3d(away / gap) : part.normal;
   return {gap, nearest.point, normal, part.feature, part.tangent, triangle, part.normal};
+}
+
+KEDGE_FUNCTION bool TriangleTree::is_within(const Eigen::Vector3d& x, const double distance) const
+{
+  const double to_box = nodes[0].squared_distance(x), least = grid.least_distance(x);
+  if (to_box > distance * distance || (1. - margin) * least > distance)
+    return false;
+  if (nearest(x, distance * distance, true).facet != -1u)
+    return true;
+  if (to_box > 0. || least > 0.) // outside, and far
+    return false;
+  const surface_tree::Nearest found = nearest(x, std::numeric_limits<double>::infinity());
+  return found.facet != -1u && describe(x, found).gap < 0.;
 }
 
 KEDGE_FUNCTION bool TriangleTree::find_within(const Eigen::Vector3d& x, const double distance, KnownDistance& known,

@@ -11,6 +11,7 @@
 #include <kedge/particles/splitting.h>
 #include <map>
 #include <mpi.h>
+#include <unordered_map>
 
 namespace kedge
 {
@@ -126,7 +127,7 @@ public:
 
   /// Smallest gap of a corner of each particle in the last evaluation (m), `moved` being the bodies at its end;
   /// infinite beyond a particle's size, and missing for particles without pairs.
-  std::map<long long, double> smallest_gaps(const RigidSystems& moved) const;
+  std::unordered_map<long long, double> smallest_gaps(const RigidSystems& moved) const;
   /// Pairs of the last evaluation that press or are bonded, over all ranks.
   long long n_active() const;
   /// Deepest penetration of the last evaluation, m, over all ranks.

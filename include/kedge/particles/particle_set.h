@@ -7,8 +7,8 @@
 #include <kedge/particles/arrays.h>
 #include <kedge/particles/fields.h>
 #include <kedge/particles/parameters.h>
-#include <map>
 #include <optional>
+#include <unordered_map>
 
 namespace kedge
 {
@@ -49,7 +49,7 @@ public:
   std::vector<std::array<double, dim>> initial_positions() const;
 
   /// Notes the smallest gap (m) of each particle that is near a body; the others get NaN.
-  void set_contact_gaps(const std::map<long long, double>& gaps);
+  void set_contact_gaps(const std::unordered_map<long long, double>& gaps);
 
   /// Makes the trial state of a converged step the committed one and re-sorts the particles into cells and ranks.
   /// Collective.

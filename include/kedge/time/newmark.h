@@ -12,6 +12,8 @@ struct Newmark
   double beta = 0.25, gamma = 0.5, dt = 0.;
 
   KEDGE_FUNCTION bool is_dynamic() const { return dt > 0.; }
+  /// Whether a step depends on the acceleration at its start.
+  KEDGE_FUNCTION bool needs_start_acceleration() const { return beta != 0.5 || gamma != 1.; }
   /// d acceleration / d displacement, 1/s2.
   KEDGE_FUNCTION double stiffness_factor() const { return 1. / (beta * dt * dt); }
   /// Acceleration at the end (m/s2) for the displacement in the step (m) and velocity and acceleration at its start.

@@ -39,7 +39,7 @@ template <int dim> struct Discretisation
   {
     const LeafTable<dim>& table = mesh.leaves();
     box_parts = find_box_parts<dim>(table, particles.positions(), particles.half_widths(), particles.leaves());
-    HostStencils host = build_stencils<dim>(table, box_parts, particles.leaves());
+    HostStencils host = build_stencils<dim>(table, box_parts);
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;

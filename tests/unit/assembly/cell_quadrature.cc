@@ -31,7 +31,7 @@ public:
 
   HostStencils stencils(const bool corrected) const
   {
-    return build_stencils<dim>(table(), parts(), block.particles.leaves(),
+    return build_stencils<dim>(table(), parts(),
                                corrected ? find_cell_corrections<dim>(table(), contents)
                                          : std::vector<CellCorrection<dim>>());
   }

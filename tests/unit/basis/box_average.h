@@ -9,8 +9,7 @@ template <int dim>
 std::vector<NodeShare<dim>> average_over_box(const LeafTable<dim>& table, const std::array<double, dim>& centre,
                                              const std::array<double, dim>& half_width)
 {
-  const HostStencils stencils =
-      build_stencils<dim>(table, find_box_parts<dim>(table, {centre}, {half_width}), std::vector<unsigned int>{0});
+  const HostStencils stencils = build_stencils<dim>(table, find_box_parts<dim>(table, {centre}, {half_width}));
   std::vector<NodeShare<dim>> shares;
   for (std::size_t v = 0; v < stencils.pattern_nodes.size(); ++v)
   {

@@ -42,7 +42,7 @@ public:
   {
     const LeafTable<dim>& table = this->mesh.leaves();
     return build_stencils<dim>(
-        table, find_box_parts<dim>(table, centre, point_basis ? point_boxes<dim>(half_width) : half_width, leaf), leaf);
+        table, find_box_parts<dim>(table, centre, point_basis ? point_boxes<dim>(half_width) : half_width, leaf));
   }
 
   /// Numbers in reverse order, so that the order of nodes within a pattern must change.
@@ -190,9 +190,10 @@ TYPED_TEST(Stencils, ListEachParticleOnceUnderItsPattern)
   EXPECT_EQ(seen.size(), this->centre.size());
 }
 
-TYPED_TEST(Stencils, ShareOnePatternPerCellOnTheInitialGrid)
+/// Patterns of 3 cells of 0.1 m along each axis, with boxes of half their size. Along each axis two of a cell have
+/// their centres `off` (m) from its faces.
+template <int dim> std::size_t count_patterns(const double off)
 {
-  constexpr int dim = TypeParam::value;
   std::array<unsigned int, dim> cells;
   cells.fill(3);
   const BackgroundMesh<dim> mesh(MPI_COMM_SELF, test::make_brick<dim>(cells, 0.1));
@@ -204,14 +205,24 @@ TYPED_TEST(Stencils, ShareOnePatternPerCellOnTheInitialGrid)
       std::array<double, dim> x = mesh.leaves().leaves[l].lower, half;
       half.fill(0.025);
       for (unsigned int d = 0; d < dim; ++d)
-        x[d] += (n >> d) & 1u ? 0.075 : 0.025;
+        x[d] += (n >> d) & 1u ? 0.1 - off : off;
       centre.push_back(x);
       half_width.push_back(half);
       leaf.push_back(l);
     }
   const HostStencils host =
-      build_stencils<dim>(mesh.leaves(), find_box_parts<dim>(mesh.leaves(), centre, half_width, leaf), leaf);
-  EXPECT_EQ(host.pattern_node_begin.size() - 1, mesh.leaves().leaves.size());
+      build_stencils<dim>(mesh.leaves(), find_box_parts<dim>(mesh.leaves(), centre, half_width, leaf));
+  return host.pattern_node_begin.size() - 1;
+}
+
+TYPED_TEST(Stencils, ShareOnePatternPerCellOnTheInitialGrid)
+{
+  EXPECT_EQ(count_patterns<TypeParam::value>(0.025), std::pow(3, TypeParam::value));
+}
+
+TYPED_TEST(Stencils, ShareThePatternsOfNeighboursAcrossFaces)
+{
+  EXPECT_EQ(count_patterns<TypeParam::value>(0.01), std::pow(4, TypeParam::value));
 }
 
 TYPED_TEST(Stencils, RefuseAParticleOutsideTheGrid)

@@ -96,8 +96,7 @@ TYPED_TEST(BasisInWindow, HasItsCentreInThatOfTheClippedBox)
 TYPED_TEST(BasisInWindow, NamesNoNodesBeyondThePlanes)
 {
   const HostStencils stencils = build_stencils<TypeParam::value>(
-      this->table(), find_box_parts<TypeParam::value>(this->table(), this->centre, this->half_width),
-      this->leaf_of_box);
+      this->table(), find_box_parts<TypeParam::value>(this->table(), this->centre, this->half_width));
   for (const unsigned int node : stencils.pattern_nodes)
   {
     EXPECT_GT(this->table().node_position[node][0], this->lower - 1e-9);

@@ -45,6 +45,7 @@ TEST(Surface, AnswersTheSameHoweverOftenItIsAsked)
     const ClosestPoint expected = surface.closest_point(x);
     const auto found = surface.closest_point_within(x, distance);
     ASSERT_EQ(found.has_value(), expected.gap <= distance) << i;
+    ASSERT_EQ(surface.is_within(x, distance), expected.gap <= distance) << i;
     if (found)
     {
       ASSERT_EQ(found->gap, expected.gap);

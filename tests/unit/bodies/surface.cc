@@ -194,6 +194,8 @@ TEST(Surface, BoundedQueryAgreesWithTheFullOne)
     const double gap = surface.closest_point(x).gap;
     const std::optional<ClosestPoint> near = surface.closest_point_within(x, 0.1);
     EXPECT_EQ(near.has_value(), gap <= 0.1) << x.transpose();
+    EXPECT_EQ(surface.is_within(x, 0.1), gap <= 0.1) << x.transpose();
+    EXPECT_EQ(surface.is_within(x, 0.), gap <= 0.) << x.transpose();
     EXPECT_EQ(near ? near->gap : gap, gap);
     EXPECT_TRUE(gap > 0.1 || !(surface.least_gap(x) > 0.1));
   }
@@ -229,6 +231,7 @@ TEST(Surface, GapOfPointsThatAreNotFiniteIsNotANumber)
   const Surface surface(test::unit_box());
   EXPECT_TRUE(std::isnan(surface.closest_point({NAN, 0., 0.}).gap));
   EXPECT_FALSE(surface.closest_point_within({NAN, 0., 0.}, 1.));
+  EXPECT_FALSE(surface.is_within({NAN, 0., 0.}, 1.));
 }
 
 TEST(Surface, BoundsHoldTheMesh)

@@ -26,7 +26,7 @@ public:
 };
 
 /// Over all ranks, those that are `expected`.
-long long count_gaps(const std::map<long long, double>& gaps, const double expected)
+long long count_gaps(const std::unordered_map<long long, double>& gaps, const double expected)
 {
   const long long here =
       std::count_if(gaps.begin(), gaps.end(),

@@ -72,8 +72,8 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
   void find_pairs(const double reach = 0.)
   {
     const LeafTable<dim>& table = mesh.leaves();
-    HostStencils host = build_stencils<dim>(
-        table, find_box_parts<dim>(table, particles.positions(), particles.half_widths()), particles.leaves());
+    HostStencils host =
+        build_stencils<dim>(table, find_box_parts<dim>(table, particles.positions(), particles.half_widths()));
     std::vector<unsigned char> used(table.node_ids.size(), 0);
     for (const unsigned int node : host.pattern_nodes)
       used[node] = 1;

@@ -66,7 +66,7 @@ TYPED_TEST(Balance, CostMoreWhereTheySeeMoreNodes)
 TYPED_TEST(Balance, CostMoreNearABody)
 {
   const double before = this->particles.imbalance(20.);
-  std::map<long long, double> gaps;
+  std::unordered_map<long long, double> gaps;
   if (rank_of(MPI_COMM_WORLD) == 0)
     for (const auto& particle : this->particles.handler())
       gaps[particle.get_id()] = 0.01;

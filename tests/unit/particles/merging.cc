@@ -179,7 +179,7 @@ TYPED_TEST(Merging, LeavesParticlesAloneThatAreToBeKept)
 TYPED_TEST(Merging, LeavesParticlesNearABodyAlone)
 {
   this->split();
-  std::map<long long, double> gaps;
+  std::unordered_map<long long, double> gaps;
   for (const auto& record : this->block.records()) // particles are 0.125 m wide
     gaps[record.id] = record.position[0] < 1. ? 0.05 : std::numeric_limits<double>::infinity();
   this->block.particles.set_contact_gaps(gaps);
