@@ -179,7 +179,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
       pair_begin.push_back(n_pairs);
       for (const unsigned int s : near)
       {
-        ContactPair pair;
+        ContactPair& pair = host_pairs(n_pairs) = ContactPair();
         pair.key = {particles.id[p], corner, s};
         pair.point = point;
         pair.start = to_world<dim>(x);
@@ -193,7 +193,6 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
           settle(pair, bodies);
         pair.trial = pair.augmented = pair.committed;
         const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
-        host_pairs(n_pairs) = pair;
         host_rests(n_pairs) = {s, false, false, (pair.start - pose.position).norm(), 0.};
         ++n_pairs;
       }

@@ -29,7 +29,7 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
 struct NodalMotion
 {
   NodalMass mass;
-  NodalVector velocity, acceleration; ///< m/s, m/s2
+  NodalVector velocity, acceleration; ///< m/s; m/s2, 0 where no step depends on it
 };
 
 /// M^-1 b on all local nodes; M couples nodes as `graph` says, which may be a local one. Constrained dofs of `system`

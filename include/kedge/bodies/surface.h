@@ -104,7 +104,7 @@ public:
   /// The same result to the last digit, but faster: uses what the last query for this point left in `known`.
   std::optional<ClosestPoint> closest_point_within(const Eigen::Vector3d& x, double distance,
                                                    KnownDistance& known) const;
-  /// Whether closest_point_within() finds something, in less time.
+  /// Whether closest_point_within() finds something, in less time; at the very distance round-off may decide.
   bool is_within(const Eigen::Vector3d& x, double distance) const;
   /// A distance (m) that the gap at x is not below, from the bounding box and what the last query left in `known`; 0
   /// where these tell nothing.

@@ -174,8 +174,8 @@ struct TriangleTree
   /// `any`: the first that is found within the limit will do.
   KEDGE_FUNCTION surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit, bool any = false) const;
   KEDGE_FUNCTION ClosestPoint describe(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
-  /// Whether gap <= distance, for distance >= 0: what find_within() finds out, in less time where the gap does not
-  /// matter.
+  /// Whether gap <= distance, up to `margin` of it, for distance >= 0: what find_within() finds out, in less time where
+  /// the gap does not matter.
   KEDGE_FUNCTION bool is_within(const Eigen::Vector3d& x, double distance) const;
   /// Finds the closest point if gap <= distance. This finds every point inside the body, however deep. A far point
   /// costs one comparison with the bounding box. `known` is what the last query for this point has left, and changes
@@ -265,7 +265,7 @@ KEDGE_FUNCTION bool TriangleTree::is_within(const Eigen::Vector3d& x, const doub
   if (to_box > 0. || least > 0.) // outside, and far
     return false;
   const surface_tree::Nearest found = nearest(x, std::numeric_limits<double>::infinity());
-  return found.facet != -1u && describe(x, found).gap < 0.;
+  return found.facet != -1u && describe(x, found).gap <= distance;
 }
 
 KEDGE_FUNCTION bool TriangleTree::find_within(const Eigen::Vector3d& x, const double distance, KnownDistance& known,

@@ -226,6 +226,19 @@ TEST(Surface, AKnownDistanceDoesNotChangeTheResultForAMovedPoint)
   }
 }
 
+TEST(Surface, HoldsThePointsOfItsFaces)
+{
+  const Surface surface(test::unit_box());
+  RandomPoints random(0., 1.);
+  for (int i = 0; i < 600; ++i)
+  {
+    Vector3d x = random();
+    x[i % 3] = i % 2;
+    ASSERT_TRUE(surface.closest_point_within(x, 0.)) << x.transpose();
+    ASSERT_TRUE(surface.is_within(x, 0.)) << x.transpose();
+  }
+}
+
 TEST(Surface, GapOfPointsThatAreNotFiniteIsNotANumber)
 {
   const Surface surface(test::unit_box());
