@@ -25,6 +25,7 @@ RunProgress progress_from(const Json& json)
   progress.step = json.at("step");
   progress.steps_in_stage = json.at("steps in stage");
   progress.overshoots = json.at("overshoots");
+  progress.at_rest = json.value("at rest", 0.); // not in files of earlier programs
   progress.has_warned_of_window = json.at("has warned of window");
   progress.summary = json.at("summary");
   return progress;

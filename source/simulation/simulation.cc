@@ -126,7 +126,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 /// The next step does not go on as the last one did.
 template <int dim> void Simulation<dim>::forget_motion()
 {
-  overshoots = 0.;
+  overshoots = at_rest = 0.;
   soil.forget_prediction();
   for (RigidPoint& point : bodies.points)
     point.last_increment.setZero();
@@ -211,8 +211,10 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
       prepare_step();
     StepLoad load = load_at(clock);
     load.overshoots = overshoots;
+    load.at_rest = at_rest;
     const NewtonReport report = step->solve(load);
     overshoots = report.overshoots;
+    at_rest = report.converged ? report.at_rest : 0.;
     return report;
   }
   catch (const SolverError& error)

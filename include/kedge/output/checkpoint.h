@@ -14,7 +14,7 @@ struct RunProgress
   ClockState clock;       ///< of this stage
   unsigned int step = 1;  ///< global counter
   unsigned int steps_in_stage = 0;
-  double overshoots = 0.; ///< NewtonReport::overshoots of the last step
+  double overshoots = 0., at_rest = 0.; ///< of NewtonReport, of the last step
   bool has_warned_of_window = false;
   std::string summary;      ///< report about the stages so far, in a form that the driver chooses
   std::string program = {}; ///< that wrote the file: its version and commit

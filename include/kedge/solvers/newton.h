@@ -20,6 +20,7 @@ struct NewtonReport
   std::vector<double> residuals; ///< convergence measure at the start and after every iteration
   std::string failure;           ///< why it did not converge; empty if it did
   double overshoots = 0.;        ///< share of this and earlier problems whose first correction was too long
+  double at_rest = 0.;           ///< measure at x = 0 in this problem or one before, which fades; 0: not known
 };
 
 /// How to solve one linear system of Newton's method.

@@ -42,7 +42,7 @@ private:
   void weigh_bodies();
   void find_body_force();
   void find_first_acceleration();
-  std::optional<NewtonStart> choose_start(const NewtonProblem& newton);
+  std::optional<NewtonStart> choose_start(const NewtonProblem& newton, double& at_rest);
   Prediction predict_next() const;
   void keep_unbalanced();
   double residual(const TpetraVector& x, TpetraVector& r);

@@ -85,7 +85,7 @@ template <int dim> struct Interrupted : SoilBlock<dim>
       for (unsigned int d = 0; d < dim; ++d)
         prediction.push_back(noise_at(x, dim, d));
     this->soil.parts().n_deleted = 4;
-    progress = {2, {4096, 12345, 64, 3, 2, 4, true}, 77, 15, 0.625, true, "a {\"summary\"} with umlauts: ä"};
+    progress = {2, {4096, 12345, 64, 3, 2, 4, true}, 77, 15, 0.625, 72.5, true, "a {\"summary\"} with umlauts: ä"};
   }
 
   void write(const std::string& file, const std::string& of_input = checkpointed_input) const

@@ -66,6 +66,34 @@ TEST(WishedInPlace, BodyCarriesWhatTheSoilHasCarriedThatItReplaces)
   EXPECT_NEAR(taken.loads[0][2], 0.8 * 0.4 * 2e4, 0.02 * 0.8 * 0.4 * 2e4);
 }
 
+TEST(Guess, IsTakenWithoutALookAtRestWhereItIsMuchBetter)
+{
+  BuriedBlock block;
+  block.solver.ghost_factor = SolverParameters().ghost_factor; // holds nodes with little soil, which the guess has too
+  ASSERT_GT(block.soil.remove_buried(block.bodies), 0);
+  block.rest(true);
+  block.load.body_increments[0][2] = 1e-4;
+  ImplicitStep<2> first(block.context());
+  ASSERT_TRUE(first.solve(block.load).converged);
+  const SoilIncrements solution = first.soil_increments(); // with the guess of the next step
+  first.move_bodies(block.bodies);
+  block.soil.commit(solution, &block.bodies);
+  ImplicitStep<2> step(block.context());
+  const NewtonReport looked = step.solve(block.load);
+  const double at_guess = looked.residuals.front();
+  ASSERT_LT(at_guess, looked.at_rest);
+
+  block.load.at_rest = 20. * at_guess;
+  const NewtonReport trusted = step.solve(block.load);
+  EXPECT_EQ(trusted.residuals.front(), at_guess);
+  EXPECT_DOUBLE_EQ(trusted.at_rest, 0.8 * block.load.at_rest); // what is remembered fades
+
+  block.load.at_rest = 5. * at_guess;
+  const NewtonReport doubted = step.solve(block.load);
+  EXPECT_EQ(doubted.residuals.front(), at_guess);
+  EXPECT_DOUBLE_EQ(doubted.at_rest, looked.at_rest);
+}
+
 TEST(PointBasis, RefusesAParticleWhoseCentreHasLeftTheGrid)
 {
   // Its box still reaches in, which is enough for boxes alone.
