@@ -25,6 +25,13 @@ if(Trilinos_CXX_COMPILER_FLAGS MATCHES "-arch=(sm_[0-9]+)")
   set(KEDGE_PRECOMPILED OFF)
 endif()
 
+# One built for AMD's GPUs needs hipcc as compiler here, too, and the same architecture.
+if(Trilinos_CXX_COMPILER_FLAGS MATCHES "--offload-arch=(gfx[0-9a-f]+)")
+  target_compile_options(trilinos INTERFACE --offload-arch=${CMAKE_MATCH_1} -fno-gpu-rdc)
+  target_link_options(trilinos INTERFACE --offload-arch=${CMAKE_MATCH_1})
+  set(KEDGE_PRECOMPILED OFF)
+endif()
+
 # The same for deal.II, whose own macros would force its flags on every target. From 9.6 on it has a target without
 # them, which knows the include folders of its packages.
 add_library(deal.II INTERFACE)
@@ -58,6 +65,8 @@ target_compile_options(kedge_options INTERFACE -Wall -Wextra -Wno-unused-paramet
   -Wno-maybe-uninitialized # false alarms of GCC 12 inside Eigen and std::vector
   # nobody reads errno or traps floating-point exceptions: so loops with roots and choices become vectors
   -fno-math-errno -fno-trapping-math)
+# MPI's C++ bindings are a third of the functions of a small object, and nothing calls them.
+target_compile_definitions(kedge_options INTERFACE OMPI_SKIP_MPICXX MPICH_SKIP_MPICXX)
 if(KEDGE_SANITIZE)
   # vptr would need the run-time types of libraries that are built without it. With checks against null pointers, which
   # end a program anyway, GCC no longer compares addresses at compile time.

@@ -36,11 +36,8 @@ template <int dim> struct PathKernel
       before += J > 0. ? volume : 0.;
       after += J > 0. ? volume * J : 0.;
     }
-    for (unsigned int p = begin; p < end; ++p)
-    {
-      const double J = path.volume_change(p);
-      cells.volume_factor(p) = J > 0. ? root(after / (before * J)) : 1.;
-    }
+    for (unsigned int p = begin; p < end; p += width)
+      share_volume(p, end - p < width ? end - p : width, after / before);
     unsigned long inverted = 0;
     for (unsigned int p = begin; p < end; p += width)
       inverted += advance([p](const unsigned int i) { return p + i; }, end - p,
@@ -55,6 +52,18 @@ template <int dim> struct PathKernel
       add_force(p, with_mean_stress<dim>(row_of(particles.trial_stress, p), path.volume_change(p) * cells.pressure(p)));
     }
     return 0;
+  }
+
+  /// Stretches n <= width particles from the first one on to the volume change J of their cell.
+  KEDGE_FUNCTION void share_volume(const unsigned int first, const unsigned int n, const double J) const
+  {
+    Eigen::Array<double, width, 1> factor = Eigen::Array<double, width, 1>::Ones();
+    for (unsigned int i = 0; i < n; ++i)
+      if (const double own = path.volume_change(first + i); own > 0.)
+        factor[i] = J / own;
+    factor = ((1. / dim) * factor.log()).exp(); // one root is slower than four of these in a vector
+    for (unsigned int i = 0; i < n; ++i)
+      cells.volume_factor(first + i) = factor[i];
   }
 
   /// The same for `width` particles by themselves.
@@ -102,11 +111,12 @@ template <int dim> struct PathKernel
       frames.set(i, internal::push_forward(stretched(dF, factor(p)), row_of(path.pulled_back, p)));
     }
     frames.find();
+    frames.find_strains();
     unsigned long inverted = 0;
     for (unsigned int i = 0; i < width && i < n; ++i)
     {
       const unsigned int p = particle(i);
-      if (!(path.volume_change(p) > 0. && settle(p, frames.tensor_of(i), frames.frame_of(i), factor(p))))
+      if (!(path.volume_change(p) > 0. && settle(p, frames, i, factor(p))))
       {
         path.volume_change(p) = 0.;
         ++inverted;
@@ -115,13 +125,15 @@ template <int dim> struct PathKernel
     return inverted;
   }
 
-  /// Goes on from the trial b; false where that is inadmissible.
-  KEDGE_FUNCTION bool settle(const unsigned int p, SymmetricTensor b, const PrincipalFrame& frame,
-                             const double factor) const
+  /// Goes on from the trial b of a lane; false where that is inadmissible.
+  KOKKOS_FORCEINLINE_FUNCTION bool settle(const unsigned int p, const PrincipalFrames<width>& frames,
+                                          const unsigned int lane, const double factor) const
   {
+    SymmetricTensor b = frames.tensor_of(lane);
     double* state = &particles.trial_state(p, 0);
-    const StressUpdate update = advance_stress(frame, b, {particles.young(p), particles.cell_size(p), state},
-                                               materials(particles.layer(p)), state);
+    const StressUpdate update =
+        advance_stress(frames.frame_of(lane), frames.strain_of(lane), b,
+                       {particles.young(p), particles.cell_size(p), state}, materials(particles.layer(p)), state);
     if (update.status == Status::inverted)
       return false;
     const Matrix3d to_start = inverse(matrix_of(path.deformation, p));
@@ -149,8 +161,6 @@ template <int dim> struct PathKernel
       add_to<packed>(&path.force(std::size_t(packed) * at.node[v]), f);
     }
   }
-
-  KEDGE_FUNCTION static double root(const double x) { return dim == 3 ? std::cbrt(x) : std::sqrt(x); }
 
   KEDGE_FUNCTION static Matrix3d stretched(Matrix3d f, const double factor)
   {

@@ -37,6 +37,7 @@ std::string ExplicitMotion::drift(const double fraction, const double time)
     step.gamma = 1.;
   }
   knows_accelerations = true;
+  passed += time;
   const RigidSolution solution = solve_rigid_motion(moving, step);
   if (solution.converged)
     commit_increments(moving, step, solution.increments);
@@ -56,8 +57,11 @@ void ExplicitMotion::commit(RigidSystems& committed, const double fraction) cons
   const std::vector<Vector6> moved = increments();
   for (std::size_t i = 0; i < start.size(); ++i)
   {
-    committed.points[i] = moving.points[i];
-    committed.points[i].last_increment = moved[i] / fraction;
+    RigidPoint& point = committed.points[i];
+    const Vector6 before = point.velocity;
+    point = moving.points[i];
+    point.last_increment = moved[i] / fraction;
+    point.reported_acceleration = (point.velocity - before) / passed;
   }
 }
 } // namespace kedge

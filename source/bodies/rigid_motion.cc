@@ -123,7 +123,7 @@ void commit_increments(RigidSystems& systems, const RigidStep& step, const std::
     RigidPoint& point = systems.points[i];
     const EndOfStep end = end_of_step(point, step, increments[i]);
     point.velocity = end.velocity;
-    point.acceleration = end.acceleration;
+    point.acceleration = point.reported_acceleration = end.acceleration;
     point.pose = point.pose.moved(increments[i]);
     point.last_increment = increments[i] / step.fraction;
   }

@@ -24,8 +24,8 @@ RunProgress progress_from(const Json& json)
   progress.clock = {clock.at(0), clock.at(1), clock.at(2), clock.at(3), clock.at(4), clock.at(5), clock.at(6)};
   progress.step = json.at("step");
   progress.steps_in_stage = json.at("steps in stage");
-  progress.overshoots = json.at("overshoots");
-  progress.at_rest = json.value("at rest", 0.); // not in files of earlier programs
+  progress.newton.overshoots = json.at("overshoots");
+  progress.newton.at_rest = json.value("at rest", 0.); // not in files of earlier programs
   progress.has_warned_of_window = json.at("has warned of window");
   progress.summary = json.at("summary");
   return progress;

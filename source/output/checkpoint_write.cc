@@ -40,8 +40,8 @@ nlohmann::json to_json(const RunProgress& progress, const long long deleted)
           {"step", progress.step},
           {"steps in stage", progress.steps_in_stage},
           {"deleted", deleted},
-          {"overshoots", progress.overshoots},
-          {"at rest", progress.at_rest},
+          {"overshoots", progress.newton.overshoots},
+          {"at rest", progress.newton.at_rest},
           {"has warned of window", progress.has_warned_of_window},
           {"summary", progress.summary}};
 }

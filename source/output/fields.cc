@@ -138,9 +138,10 @@ const std::vector<BodyField>& all_body_fields()
   static const std::vector<BodyField> fields = {
       {"position", 3, [](P point, R, double* value) { copy(point.pose.position, value); }},
       {"velocity", 3, [](P point, R, double* value) { copy(point.velocity.head<3>(), value); }},
-      {"acceleration", 3, [](P point, R, double* value) { copy(point.acceleration.head<3>(), value); }},
+      {"acceleration", 3, [](P point, R, double* value) { copy(point.reported_acceleration.head<3>(), value); }},
       {"angular velocity", 3, [](P point, R, double* value) { copy(point.velocity.tail<3>(), value); }},
-      {"angular acceleration", 3, [](P point, R, double* value) { copy(point.acceleration.tail<3>(), value); }},
+      {"angular acceleration", 3,
+       [](P point, R, double* value) { copy(point.reported_acceleration.tail<3>(), value); }},
       {"mass", 1, [](P point, R, double* value) { *value = point.mass; }},
       {"reaction force", 3, [](P, R reaction, double* value) { copy(reaction.head<3>(), value); }},
       {"reaction moment", 3, [](P, R reaction, double* value) { copy(reaction.tail<3>(), value); }},

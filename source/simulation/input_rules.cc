@@ -74,6 +74,11 @@ void check_soil(const Input& input, const Place& root)
         .key("load")
         .fail("\"gravity ramp\" starts without weight, but \"initial stress\" already balances the full weight",
               "set it to \"full\" or remove \"initial stress\"");
+  if (input.material_points.K0 && input.gravity[input.dimension - 1] > 0.)
+    root.key("material points")
+        .key("initial stress")
+        .fail("\"K0\" is the pressure of soil that its weight holds down, but gravity points up",
+              "remove it, or change the sign of \"gravity\"");
   if (!input.material_points.initial_velocity.empty() && first.type == StageType::static_)
     root.key("material points")
         .key("initial velocity")

@@ -55,8 +55,7 @@ template <int dim> void Simulation<dim>::resume()
   pass_on(writer.take_warnings());
   copy_input();
   step_number = progress.step;
-  overshoots = progress.overshoots;
-  at_rest = progress.at_rest;
+  newton = progress.newton;
   has_warned_of_window = progress.has_warned_of_window;
   resumed = progress.clock;
   log.report().line(fmt::format("going on after step {} from {}", step_number, start.path));
@@ -113,8 +112,8 @@ template <int dim> void Simulation<dim>::write_restart_file(const Clock& clock, 
 {
   const auto scope = log.timings().measure("restart files");
   checkpoints.make_folder();
-  const RunProgress progress{stage_number, clock.state(),        step_number,          log.steps_in_stage(), overshoots,
-                             at_rest,      has_warned_of_window, log.text_of_stages(), name_of_program()};
+  const RunProgress progress{stage_number, clock.state(),        step_number,          log.steps_in_stage(),
+                             newton,       has_warned_of_window, log.text_of_stages(), name_of_program()};
   const RestartFiles& files = checkpoints.files();
   const bool is_latest = path == files.latest;
   write_checkpoint<dim>(soil, bodies, progress, input.effective_json, path, is_latest ? files.before : "");

@@ -119,6 +119,13 @@ void RunLog::warn_of_cut_domains(const long long here, const unsigned int step)
                               step, n_cut));
 }
 
+void RunLog::warn_of_no_soil(const long long points, const unsigned int step)
+{
+  if (points == 0 && !has_warned_of_no_soil)
+    terminal.warn(fmt::format("step {}: no material points are left, so bodies move without soil from here on", step));
+  has_warned_of_no_soil = has_warned_of_no_soil || points == 0;
+}
+
 void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state)
 {
   StageSummary& stage = summary.stages.back();

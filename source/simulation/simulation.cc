@@ -126,7 +126,7 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 /// The next step does not go on as the last one did.
 template <int dim> void Simulation<dim>::forget_motion()
 {
-  overshoots = at_rest = 0.;
+  newton = {};
   soil.forget_prediction();
   for (RigidPoint& point : bodies.points)
     point.last_increment.setZero();
@@ -210,11 +210,11 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
     if (!step)
       prepare_step();
     StepLoad load = load_at(clock);
-    load.overshoots = overshoots;
-    load.at_rest = at_rest;
+    load.history = newton;
     const NewtonReport report = step->solve(load);
-    overshoots = report.overshoots;
-    at_rest = report.converged ? report.at_rest : 0.;
+    newton = report.history;
+    if (!report.converged)
+      newton.at_rest = 0.;
     return report;
   }
   catch (const SolverError& error)
@@ -257,6 +257,7 @@ template <int dim> void Simulation<dim>::prepare_step()
   clean();
   adapt();
   log.warn_of_cut_domains(soil.particles().n_cut(), step_number);
+  log.warn_of_no_soil(soil.particles().n_global(), step_number);
   step = make_step();
   replaces_soil = false;
 }
@@ -312,7 +313,7 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
   return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
-                        stage_number == 0 || input.stages[stage_number - 1].stepping.type == StageType::static_);
+                        stage_number > 0 && input.stages[stage_number - 1].stepping.type == StageType::dynamic);
 }
 
 /// Makes the trial state of soil and bodies the committed one.

@@ -73,7 +73,7 @@ private:
   std::optional<BodyForce<dim>> body_force;
   std::vector<Vector6> reactions; ///< of the last converged step, as the next
   std::vector<typename Contact<dim>::Touch> touches;
-  double overshoots = 0., at_rest = 0.; ///< of Newton's method in the last step
+  NewtonHistory newton; ///< of the steps so far
   bool has_warned_of_window = false;
   unsigned int balanced_step = 0; ///< before which the soil was brought into balance last
   bool replaces_soil = false;     ///< before the first step of a stage whose bodies are wished in place

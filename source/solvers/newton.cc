@@ -144,10 +144,10 @@ std::string reason_to_give_up(const NewtonReport& report, const double measure, 
 } // namespace
 
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
-                          const std::optional<NewtonStart>& start, const double overshoots)
+                          const std::optional<NewtonStart>& start, const NewtonHistory& history)
 {
   NewtonReport report;
-  report.overshoots = overshoots;
+  report.history = history;
   TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
   const double target = parameters.target();
   // What residuals are compared with may follow the solution, but never within a line search.
@@ -157,7 +157,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     Tpetra::deep_copy(residual, start->residual);
   double measure = renewed(start ? start->measure : problem.residual(x, residual));
   report.residuals.push_back(measure);
-  double linear_tolerance = loosest, damping = overshoots > many_overshoots ? most_damping : 0., lowest = measure;
+  double linear_tolerance = loosest, damping = history.overshoots > many_overshoots ? most_damping : 0.,
+         lowest = measure;
   unsigned int without_progress = 0;
   while (!(measure < target))
   {
@@ -200,7 +201,7 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
              : work > 0. ? search_line(at, step, {0., measure, work})
                          : halve_step(at, step, highest);
     if (report.iterations == 1)
-      report.overshoots = overshoots_after(overshoots, damping, step.step);
+      report.history.overshoots = overshoots_after(history.overshoots, damping, step.step);
     damping = adapt_damping(damping, {0., measure, work}, step);
     // The last point at which the search evaluated the residual is the one that it returns.
     Tpetra::deep_copy(x, trial);

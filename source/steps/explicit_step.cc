@@ -300,12 +300,15 @@ SoilIncrements ExplicitStep<dim>::soil_increments() const
   Kokkos::deep_copy(change, velocity);
   KokkosBlas::axpy(-1., start_velocity, change);
   const ParticleVectors gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
+  const double duration = load.step_fraction * step_length(context.stage.stepping);
+  const ParticleVectors acceleration("acceleration", basis.stencils.n_particles); // the mean of the step
+  KokkosBlas::axpby(1. / duration, gained, 0., acceleration);
   Kokkos::parallel_for(
       "damp noise", Policy(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
         for (int d = 0; d < dim; ++d)
           gained(p, d) -= noise_taken * unseen(p, d);
       });
-  increments.motion = {gained, View<double* [3]>("acceleration", basis.stencils.n_particles)};
+  increments.motion = {gained, acceleration};
   return {increments, {}};
 }
 

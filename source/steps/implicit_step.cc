@@ -138,7 +138,7 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   load = load_;
   equations->set_newmark(load.newmark);
   find_body_force();
-  if (load.newmark.is_dynamic() && load.starts_at_rest)
+  if (load.newmark.is_dynamic() && load.finds_acceleration)
     find_first_acceleration();
   body_force = last_body_force;
   NewtonProblem problem;
@@ -153,10 +153,9 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   { return solve_linearised(x, r, dx, how); };
   context.soil.contact().reset_multipliers();
   keep_unbalanced();
-  double at_rest = 0.;
-  const std::optional<NewtonStart> start = choose_start(problem, at_rest);
-  NewtonReport report = solve_newton(problem, *increment, context.solver, start, load.overshoots);
-  report.at_rest = at_rest;
+  const Start start = choose_start(problem);
+  NewtonReport report = solve_newton(problem, *increment, context.solver, start.known, load.history);
+  report.history.at_rest = start.at_rest;
   double factor = 1., excess = context.soil.contact().excess();
   for (unsigned int round = 0; report.converged && excess > 1.; ++round)
   {
@@ -250,10 +249,9 @@ template <int dim> void ImplicitStep<dim>::keep_unbalanced()
   kept_unbalanced = start;
 }
 
-/// Returns its residual if that was evaluated last. A guess that is much better than rest was in a step before is taken
+/// A guess that is much better than rest was in a step before is taken
 /// as it is. What is remembered of rest fades, so that rest is looked at now and then.
-template <int dim>
-std::optional<NewtonStart> ImplicitStep<dim>::choose_start(const NewtonProblem& newton, double& at_rest)
+template <int dim> typename ImplicitStep<dim>::Start ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
 {
   const Prediction& prediction = context.soil.prediction();
   increment->putScalar(0.);
@@ -269,21 +267,19 @@ std::optional<NewtonStart> ImplicitStep<dim>::choose_start(const NewtonProblem& 
   }
   system().zero_constrained(*rigid_unknowns->nodal(guess));
   rigid_unknowns->set_rigid(guess, rigid_unknowns->pick(predicted_increments(context.bodies, rigid_step())));
-  double at_guess = INFINITY;
-  if (load.at_rest > 0.)
+  double at_guess = INFINITY, at_rest = kept_of_rest * load.history.at_rest;
+  if (load.history.at_rest > 0.)
     at_guess = newton.residual(guess, r);
-  if (at_guess < much_better * load.at_rest)
-    at_rest = kept_of_rest * load.at_rest;
-  else
+  if (!(at_guess < much_better * load.history.at_rest))
   {
     const double measured = newton.residual(*increment, r);
     at_rest = std::isfinite(measured) ? measured : 0.;
     at_guess = newton.residual(guess, r);
     if (!(at_guess < measured))
-      return {};
+      return {{}, at_rest};
   }
   Tpetra::deep_copy(*increment, guess);
-  return NewtonStart{r, at_guess};
+  return {NewtonStart{r, at_guess}, at_rest};
 }
 
 /// The solution as a guess for the next step.

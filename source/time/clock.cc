@@ -7,11 +7,18 @@ namespace kedge
 namespace
 {
 constexpr unsigned int most_patience = 16, patience_growth = 4;
+/// A tick is a requested step halved so often, for stages to end to round-off, or less often for the whole stage to
+/// have so many binary digits at most.
+constexpr int halvings_of_tick = 40, digits_of_stage = 58;
 } // namespace
 
 Clock::Clock(const double n_steps, const double minimum_fraction)
 {
-  now.ticks_per_step = std::int64_t(1) << std::lround(std::max(0., std::ceil(-std::log2(minimum_fraction))));
+  const int cuts = static_cast<int>(std::max(0., std::ceil(-std::log2(minimum_fraction))));
+  const int room = digits_of_stage - static_cast<int>(std::ceil(std::log2(std::max(1., n_steps))));
+  const int halvings = std::max(cuts, std::min(halvings_of_tick, room));
+  now.ticks_per_step = std::int64_t(1) << halvings;
+  smallest = std::int64_t(1) << (halvings - cuts);
   now.limit = now.ticks_per_step;
   most = now.ticks_per_step;
   end = std::max(1ll, std::llround(now.ticks_per_step * n_steps));
@@ -27,7 +34,7 @@ void Clock::resume(const ClockState& state)
   now.limit *= finest / state.ticks_per_step;
   end *= finest / mine;
   most = now.ticks_per_step;
-  smallest = finest / mine;
+  smallest *= finest / mine;
   stop_at_requested_steps();
 }
 
@@ -61,12 +68,15 @@ void Clock::advance()
 
 void Clock::stop_at_requested_steps()
 {
-  size = std::min({now.limit, most, now.ticks_per_step - now.position % now.ticks_per_step, end - now.position});
+  const std::int64_t rest = std::min(now.ticks_per_step - now.position % now.ticks_per_step, end - now.position);
+  size = std::min({now.limit, most, rest});
+  if (rest > size && rest - size < smallest) // what is left would be too short for a step
+    size = rest <= most ? rest : rest / 2;
 }
 
 bool Clock::cut()
 {
-  if (size <= smallest)
+  if (size < 2 * smallest)
     return false;
   if (now.on_trial && size == now.limit)
     now.patience = std::min(most_patience, patience_growth * now.patience);

@@ -27,12 +27,14 @@ public:
   /// Motion of every point since the start of the step.
   std::vector<Vector6> increments() const;
 
-  /// Copies position and motion to `committed`, from which the step started. `fraction` is that of the whole step.
+  /// Copies position and motion to `committed`, from which the step started. `fraction` is that of the whole step, over
+  /// which the acceleration that it reports is the mean.
   void commit(RigidSystems& committed, double fraction) const;
 
 private:
   std::vector<Pose> start;
   RigidSystems moving; ///< points and joints alone
+  double passed = 0.;  ///< s
   bool knows_accelerations;
 };
 } // namespace kedge

@@ -63,6 +63,7 @@ struct RigidPoint
   Vector6 last_increment = Vector6::Zero();          ///< last increment, scaled to a requested step, m, rad
   Vector6 velocity = Vector6::Zero();                ///< m/s, rad/s, world axes
   Vector6 acceleration = Vector6::Zero();            ///< m/s2, rad/s2, world axes
+  Vector6 reported_acceleration = Vector6::Zero();   ///< the same for files: explicit steps split it and keep a part
   double mass = 0.;                                  ///< kg
   Eigen::Vector3d inertia = Eigen::Vector3d::Zero(); ///< principal moments in the body frame, kg m2
   std::array<DofCondition, 6> conditions;            ///< x, y, z, about x, y, z

@@ -148,7 +148,7 @@ KEDGE_FUNCTION PrincipalFrame plane_frame(const SymmetricTensor& s)
 /// Several tensors and their frames, number by number, which is the layout of vector registers.
 template <int width> struct PrincipalFrames
 {
-  double tensor[6][width], values[3][width], directions[3][3][width];
+  double tensor[6][width], values[3][width], directions[3][3][width], strains[3][width];
 
   KEDGE_FUNCTION void find()
   {
@@ -163,6 +163,24 @@ template <int width> struct PrincipalFrames
           directions[i][j][l] = frame.directions(i, j);
       }
     }
+  }
+
+  /// Of left Cauchy-Green tensors, after find(): their principal logarithmic strains. Logarithms of numbers that are
+  /// not positive are no numbers.
+  KEDGE_FUNCTION void find_strains()
+  {
+    using Numbers = Eigen::Array<double, width, 1>; // Eigen takes logarithms in vectors
+    for (int i = 0; i < 3; ++i)
+    {
+      const Eigen::Map<const Numbers> value(values[i]);
+      Eigen::Map<Numbers> strain(strains[i]);
+      strain = 0.5 * value.log();
+    }
+  }
+
+  KEDGE_FUNCTION Eigen::Vector3d strain_of(const int l) const
+  {
+    return Eigen::Vector3d(strains[0][l], strains[1][l], strains[2][l]);
   }
 
   KEDGE_FUNCTION void set(const int l, const SymmetricTensor& s)
@@ -192,13 +210,17 @@ template <int width> struct PrincipalFrames
   }
 };
 
+/// Principal logarithmic strains of a left Cauchy-Green tensor with these principal values.
+KEDGE_FUNCTION Eigen::Vector3d principal_strain(const Eigen::Vector3d& values)
+{
+  return Eigen::Vector3d(0.5 * std::log(values[0]), 0.5 * std::log(values[1]), 0.5 * std::log(values[2]));
+}
+
 /// Logarithmic strain 1/2 ln b of a left Cauchy-Green tensor b.
 KEDGE_FUNCTION SymmetricTensor logarithmic_strain(const SymmetricTensor& left_cauchy_green)
 {
   const PrincipalFrame frame = principal_frame(left_cauchy_green);
-  return from_principal(Eigen::Vector3d(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
-                                        0.5 * std::log(frame.values[2])),
-                        frame.directions);
+  return from_principal(principal_strain(frame.values), frame.directions);
 }
 
 /// Left Cauchy-Green tensor b = exp(2 eps) of a logarithmic strain eps.

@@ -87,15 +87,13 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
   return pushed;
 }
 
-/// `pushed` is the trial b, `frame` its principal frame.
+/// `pushed` is the trial b, `frame` its principal frame, `trial_strain` the principal logarithmic strain.
 template <bool with_tangent>
-KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const SymmetricTensor& pushed,
-                                             const MaterialPoint& point, const Material& material, double* next_state,
-                                             PrincipalTangent* tangent, SymmetricTensor* next_b,
-                                             const double elastic_share)
+KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const Eigen::Vector3d& trial_strain,
+                                             const SymmetricTensor& pushed, const MaterialPoint& point,
+                                             const Material& material, double* next_state, PrincipalTangent* tangent,
+                                             SymmetricTensor* next_b, const double elastic_share)
 {
-  const Eigen::Vector3d trial_strain(0.5 * std::log(frame.values[0]), 0.5 * std::log(frame.values[1]),
-                                     0.5 * std::log(frame.values[2]));
   Response response = respond<with_tangent>(trial_strain, point, material, next_state);
   if constexpr (with_tangent)
   {
@@ -126,8 +124,8 @@ KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const Mat
                                           const double elastic_share = 0.)
 {
   if (all_positive(trial.values))
-    return update_stress_in<with_tangent>(trial, SymmetricTensor::Zero(), point, material, next_state, tangent, nullptr,
-                                          elastic_share);
+    return update_stress_in<with_tangent>(trial, principal_strain(trial.values), SymmetricTensor::Zero(), point,
+                                          material, next_state, tangent, nullptr, elastic_share);
   if constexpr (with_tangent)
     *tangent = {};
   return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
@@ -180,13 +178,15 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   return update;
 }
 
-/// The same without a tangent for a path of many increments, where the trial b and its principal frame are known: `b`
-/// becomes the one that the path goes on from, and stays as it is where it is inverted.
-KEDGE_FUNCTION StressUpdate advance_stress(const PrincipalFrame& frame, SymmetricTensor& b, const MaterialPoint& point,
-                                           const Material& material, double* next_state)
+/// The same without a tangent for a path of many increments, where the trial b, its principal frame and its principal
+/// logarithmic strain are known: `b` becomes the one that the path goes on from, and stays as it is where it is
+/// inverted.
+KEDGE_FUNCTION StressUpdate advance_stress(const PrincipalFrame& frame, const Eigen::Vector3d& trial_strain,
+                                           SymmetricTensor& b, const MaterialPoint& point, const Material& material,
+                                           double* next_state)
 {
   if (!internal::all_positive(frame.values))
     return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
-  return internal::update_stress_in<false>(frame, b, point, material, next_state, nullptr, &b, 0.);
+  return internal::update_stress_in<false>(frame, trial_strain, b, point, material, next_state, nullptr, &b, 0.);
 }
 } // namespace kedge

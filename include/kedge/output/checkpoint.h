@@ -2,6 +2,7 @@
 #pragma once
 
 #include <kedge/soil/soil.h>
+#include <kedge/solvers/newton_history.h>
 #include <kedge/time/clock.h>
 #include <string>
 
@@ -14,7 +15,7 @@ struct RunProgress
   ClockState clock;       ///< of this stage
   unsigned int step = 1;  ///< global counter
   unsigned int steps_in_stage = 0;
-  double overshoots = 0., at_rest = 0.; ///< of NewtonReport, of the last step
+  NewtonHistory newton; ///< of the steps so far
   bool has_warned_of_window = false;
   std::string summary;      ///< report about the stages so far, in a form that the driver chooses
   std::string program = {}; ///< that wrote the file: its version and commit

@@ -50,7 +50,8 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 inline constexpr FieldDeclaration particle_fields[] = {
     {"initial position", FieldKind::vector, FieldRule::place, "m", 0., true, "centre at the start of the run"},
     {"velocity", FieldKind::vector, FieldRule::mean_by_mass, "m/s", 0., true, "zero in static stages"},
-    {"acceleration", FieldKind::vector, FieldRule::mean_by_mass, "m/s2", 0., true, "zero in static stages"},
+    {"acceleration", FieldKind::vector, FieldRule::mean_by_mass, "m/s2", 0., true,
+     "zero in static stages, in explicit ones the mean of the last basis step"},
     {"lp", FieldKind::vector, FieldRule::width, "m", 0., true, "half-widths of the domain"},
     {"initial lp", FieldKind::vector, FieldRule::width, "m", 0., false, "half-widths of the domain without stretch"},
     {"deformation gradient", FieldKind::general, FieldRule::mean_by_volume, "-", 0., true,

@@ -50,6 +50,8 @@ public:
   void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
   /// Warns once where domains of this rank, `here`, or another one's are cut as ParticleSet::n_cut says. Collective.
   void warn_of_cut_domains(long long here, unsigned int step);
+  /// Warns once where none of all ranks' material points are left.
+  void warn_of_no_soil(long long points, unsigned int step);
   /// `cells` hold soil; `mass` is that of this rank's particles, kg, `particle_bytes` and `basis_bytes` are
   /// what they and their stencils take. Collective.
   void end_stage(const StepSummary& state, long long cells, double mass, double particle_bytes, double basis_bytes);
@@ -74,6 +76,6 @@ private:
   bool told_time_step = false, warned_of_time_step = false; ///< in this stage
   double step_length = 1.;                                  ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0;                             ///< in earlier stages
-  bool has_warned_of_cut_domains = false;
+  bool has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
 };
 } // namespace kedge

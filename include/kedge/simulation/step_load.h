@@ -7,8 +7,9 @@
 
 namespace kedge
 {
-/// The load of the clock's step. `first`: of the stage; `after_rest`: the stage before was static, or there was none.
-StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, bool first, bool after_rest);
+/// The load of the clock's step. `first`: of the stage; `after_dynamics`: that before was dynamic, so that material
+/// points know their accelerations.
+StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, bool first, bool after_dynamics);
 
 /// A new mesh, split points or a new basis leave forces at the start of a step that nothing balances. No cut of the
 /// load makes them smaller, but they can be balanced part by part, with bodies and load as they are at the clock's

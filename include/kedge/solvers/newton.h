@@ -4,6 +4,7 @@
 #include <functional>
 #include <kedge/base/tpetra.h>
 #include <kedge/solvers/linear_solver.h>
+#include <kedge/solvers/newton_history.h>
 #include <kedge/solvers/parameters.h>
 #include <optional>
 #include <string>
@@ -19,8 +20,7 @@ struct NewtonReport
   unsigned int escalations = 0;
   std::vector<double> residuals; ///< convergence measure at the start and after every iteration
   std::string failure;           ///< why it did not converge; empty if it did
-  double overshoots = 0.;        ///< share of this and earlier problems whose first correction was too long
-  double at_rest = 0.;           ///< measure at x = 0 in this problem or one before, which fades; 0: not known
+  NewtonHistory history;         ///< for the next problem
 };
 
 /// How to solve one linear system of Newton's method.
@@ -55,8 +55,8 @@ struct NewtonStart
 /// residual norm is taken. Otherwise a line search finds the alpha at which the work of the residual along the step has
 /// almost vanished (Matthies & Strang 1979), and the next tangents are damped in the manner of Levenberg (1944, Quart.
 /// Appl. Math. 2) and Marquardt (1963, J. SIAM 11). The damping decreases while full steps succeed. A system that the
-/// linear solver cannot solve is damped too. So is the first correction where `overshoots`, which the reports of
-/// a series of problems pass on, says that most of theirs were too long. If full steps converge, there is no damping.
+/// linear solver cannot solve is damped too. So is the first correction where most of those in `history`, which the
+/// reports of a series of problems pass on, were too long. If full steps converge, there is no damping.
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
-                          const std::optional<NewtonStart>& start = {}, double overshoots = 0.);
+                          const std::optional<NewtonStart>& start = {}, const NewtonHistory& history = {});
 } // namespace kedge

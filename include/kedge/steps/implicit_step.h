@@ -37,12 +37,18 @@ public:
   double basis_bytes() const override { return basis.bytes(); }
 
 private:
+  struct Start
+  {
+    std::optional<NewtonStart> known; ///< if the increment's residual was evaluated last
+    double at_rest = 0.;              ///< of NewtonHistory
+  };
+
   RigidStep rigid_step() const;
   NodePlaces find_node_places() const;
   void weigh_bodies();
   void find_body_force();
   void find_first_acceleration();
-  std::optional<NewtonStart> choose_start(const NewtonProblem& newton, double& at_rest);
+  Start choose_start(const NewtonProblem& newton);
   Prediction predict_next() const;
   void keep_unbalanced();
   double residual(const TpetraVector& x, TpetraVector& r);

@@ -45,9 +45,8 @@ struct StepLoad
   double step_fraction = 1.;             ///< of a requested step
   double share_balanced = 1.;            ///< of the forces that nothing balances at the start (static steps)
   Newmark newmark;                       ///< with a dt of 0 in static and explicit stages
-  double overshoots = 0.;                ///< of Newton's method in the steps before
-  double at_rest = 0.;                   ///< NewtonReport::at_rest of the step before, if that converged
-  bool starts_at_rest = false;           ///< the first acceleration follows from the forces, not from the particles
+  NewtonHistory history;                 ///< of the steps before
+  bool finds_acceleration = false;       ///< the first acceleration follows from the forces, not from the particles
   bool begins_stage = false;             ///< those of the bodies are not known: other dofs may have become free
   std::vector<Vector6> body_increments;  ///< prescribed, per rigid point, of the whole (possibly cut) step
 };

@@ -24,8 +24,8 @@ struct ClockState
 class Clock
 {
 public:
-  /// `n_steps`: requested steps; `minimum_fraction`: smallest share of a requested step that a cut leaves. An
-  /// incomplete step at the end is rounded to a multiple of that share.
+  /// `n_steps`: requested steps; `minimum_fraction`: smallest share of a requested step that a cut leaves,
+  /// rounded down to a power of two. An incomplete step at the end may be shorter.
   Clock(double n_steps, double minimum_fraction);
 
   bool at_end() const { return now.position == end; }

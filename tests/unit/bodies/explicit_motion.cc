@@ -37,6 +37,7 @@ TEST(ExplicitMotion, FallsAndSpinsExactly)
   const RigidPoint& body = systems.points[0];
   EXPECT_NEAR((body.velocity.head<3>() - Vector3d(0.5, -1., 2. - gravity)).norm(), 0., 1e-11);
   EXPECT_NEAR((body.pose.position - Vector3d(1.5, 1., 5. - gravity / 2.)).norm(), 0., 1e-11);
+  EXPECT_NEAR((body.reported_acceleration.head<3>() - down).norm(), 0., 1e-11);
   EXPECT_NEAR(body.pose.rotation.angularDistance(rotation_from_vector({0., 0., 7. - 2. * M_PI})), 0., 1e-10);
 }
 

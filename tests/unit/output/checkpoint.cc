@@ -183,8 +183,8 @@ TYPED_TEST(Checkpoint, ProgressIsKept)
   EXPECT_TRUE(progress.clock.on_trial);
   EXPECT_EQ(progress.step, 77u);
   EXPECT_EQ(progress.steps_in_stage, 15u);
-  EXPECT_EQ(progress.overshoots, 0.625);
-  EXPECT_EQ(progress.at_rest, 72.5);
+  EXPECT_EQ(progress.newton.overshoots, 0.625);
+  EXPECT_EQ(progress.newton.at_rest, 72.5);
   EXPECT_EQ(restored.soil.n_deleted(), 4);
   EXPECT_TRUE(progress.has_warned_of_window);
   EXPECT_EQ(progress.summary, run.progress.summary);

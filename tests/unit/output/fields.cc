@@ -122,7 +122,7 @@ TEST(BodyFields, EveryNameOfTheInputReadsItsMember)
   point.pose.position = {1, 2, 3};
   point.pose.rotation = rotation_from_vector({0.1, 0.2, 0.3});
   point.velocity << 4, 5, 6, 7, 8, 9;
-  point.acceleration << 10, 11, 12, 13, 14, 15;
+  point.reported_acceleration << 10, 11, 12, 13, 14, 15;
   point.mass = 16;
   Vector6 reaction;
   reaction << 17, 18, 19, 20, 21, 22;

@@ -17,7 +17,7 @@ struct Scalar
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
   double least_solvable_damping = 0.;
-  double overshoots = 0.;                   ///< of the problems so far
+  NewtonHistory history;                    ///< of the problems so far
   std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
   static Teuchos::RCP<const TpetraMap> map()
@@ -47,8 +47,8 @@ struct Scalar
       report.escalations = 1;
       return report;
     };
-    const NewtonReport report = solve_newton(problem, x, parameters, {}, overshoots);
-    overshoots = report.overshoots;
+    const NewtonReport report = solve_newton(problem, x, parameters, {}, history);
+    history = report.history;
     return report;
   }
 
@@ -160,11 +160,11 @@ TEST(Newton, BeginsDampedWhereFirstCorrectionsAreTooLong)
   EXPECT_GE(damped, 8u);
 
   Scalar easy = cubic();
-  easy.overshoots = hard.overshoots;
+  easy.history = hard.history;
   for (unsigned int step = 0; step < 40; ++step)
     easy.solve_from(3., tight());
   EXPECT_EQ(easy.dampings.back(), 0.);
-  EXPECT_LT(easy.overshoots, 0.01);
+  EXPECT_LT(easy.history.overshoots, 0.01);
 }
 
 TEST(Newton, LineSearchAvoidsPointsThatAreNotAdmissible)

@@ -19,7 +19,7 @@ struct Block : test::FreeBlock
     stage.stepping.type = type;
     stage.stepping.final_time = 1.;
     stage.stepping.basis_step = stage.stepping.dt = dt;
-    load.starts_at_rest = true;
+    load.finds_acceleration = true;
     if (type == StageType::explicit_)
       stage.stepping.dt = 0.;
   }

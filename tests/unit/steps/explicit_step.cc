@@ -49,6 +49,8 @@ TEST(Explicit, FreeFallIsExact)
   const double t = 2e-3 * n_steps;
   EXPECT_NEAR(block.momentum()[2] / block.mass(), -9.81 * t, 1e-12);
   EXPECT_NEAR(block.centre()[2] - start, -0.5 * 9.81 * t * t, 1e-12);
+  for (const auto& particle : block.soil.particles().handler())
+    ASSERT_NEAR(particle.get_properties()[field::acceleration + 2], -9.81, 1e-10);
 }
 
 TEST(Explicit, InternalForcesKeepMomentum)

@@ -81,17 +81,17 @@ TEST(Guess, IsTakenWithoutALookAtRestWhereItIsMuchBetter)
   ImplicitStep<2> step(block.context());
   const NewtonReport looked = step.solve(block.load);
   const double at_guess = looked.residuals.front();
-  ASSERT_LT(at_guess, looked.at_rest);
+  ASSERT_LT(at_guess, looked.history.at_rest);
 
-  block.load.at_rest = 20. * at_guess;
+  block.load.history.at_rest = 20. * at_guess;
   const NewtonReport trusted = step.solve(block.load);
   EXPECT_EQ(trusted.residuals.front(), at_guess);
-  EXPECT_DOUBLE_EQ(trusted.at_rest, 0.8 * block.load.at_rest); // what is remembered fades
+  EXPECT_DOUBLE_EQ(trusted.history.at_rest, 0.8 * block.load.history.at_rest); // what is remembered fades
 
-  block.load.at_rest = 5. * at_guess;
+  block.load.history.at_rest = 5. * at_guess;
   const NewtonReport doubted = step.solve(block.load);
   EXPECT_EQ(doubted.residuals.front(), at_guess);
-  EXPECT_DOUBLE_EQ(doubted.at_rest, looked.at_rest);
+  EXPECT_DOUBLE_EQ(doubted.history.at_rest, looked.history.at_rest);
 }
 
 TEST(PointBasis, RefusesAParticleWhoseCentreHasLeftTheGrid)

@@ -164,6 +164,37 @@ TEST(Clock, EndsExactlyAfterAnyCuts)
   }
 }
 
+TEST(Clock, EndsWithAnIncompleteStepWhateverTheSmallestStep)
+{
+  for (const double smallest : {1., 0.25, 1. / 4096.})
+    for (const double n_steps : {0.3, 10. / 7., 2.9998, 5.5})
+      for (unsigned int seed = 0; seed < 20; ++seed)
+      {
+        std::mt19937 generator(seed);
+        Clock clock(n_steps, smallest);
+        while (!clock.at_end())
+          if (seed > 0 && generator() % 2 == 0 && clock.cut())
+            EXPECT_GE(clock.step_fraction(), 0.5 * std::min(smallest, n_steps - std::floor(n_steps)));
+          else
+            clock.advance();
+        ASSERT_NEAR(clock.steps_done(), n_steps, 1e-12) << "seed " << seed;
+      }
+}
+
+TEST(Clock, LeavesNoStepThatIsTooShort)
+{
+  Clock clock(1.3, 0.25);
+  clock.cut();
+  clock.cut();
+  for (unsigned int step = 0; step < 4; ++step, clock.advance())
+    EXPECT_LE(clock.step_fraction(), 0.5);
+  while (!clock.at_end())
+  {
+    EXPECT_GT(clock.step_fraction(), 0.14);
+    clock.advance();
+  }
+}
+
 TEST(Clock, ResumesWhereAnotherStopped)
 {
   Clock clock(3, 1. / 4096.);

@@ -1,0 +1,36 @@
+"""Soil and a rigid point that fly freely under gravity, compared with their parabolas."""
+import numpy as np
+
+
+def _gravity(run):
+    return np.array(run.input["domain"]["gravity"], dtype=float)
+
+
+def end_time_error(run):
+    """Distance of each stage's last moment from the end that it has in the input, s."""
+    stage, time = run.body("stage"), run.body("time")
+    return max(abs(np.max(time[stage == i + 1]) - given["final time"])
+               for i, given in enumerate(run.input["analysis"]))
+
+
+def _largest_error(run, field, exact):
+    return max(np.max(np.abs(run.points(f"{field}_{axis}") - exact[d])) for d, axis in enumerate("xz"))
+
+
+def velocity_error(run):
+    """Largest error of a material point's velocity at the end, m/s."""
+    time = sum(stage["final time"] for stage in run.input["analysis"])
+    start = np.array(run.input["material points"]["initial velocity"]["expression"], dtype=float)
+    return _largest_error(run, "velocity", start + time * _gravity(run))
+
+
+def soil_acceleration_error(run):
+    """Largest error of a material point's acceleration at the end, m/s2."""
+    return _largest_error(run, "acceleration", _gravity(run))
+
+
+def body_acceleration_error(run):
+    """Largest error of the rigid point's acceleration after any step, m/s2."""
+    moved = run.body("time") > 0.
+    return max(np.max(np.abs(run.body(f"body1_acceleration_{axis}")[moved] - gravity))
+               for axis, gravity in zip("xz", _gravity(run)))
