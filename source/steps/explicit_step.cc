@@ -146,6 +146,11 @@ template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
          context.soil.contact().largest_body_frequency(context.bodies);
 }
 
+template <int dim> double ExplicitStep<dim>::duration() const
+{
+  return load.step_fraction * step_length(context.stage.stepping);
+}
+
 template <int dim> Eigen::Vector3d ExplicitStep<dim>::gravity() const
 {
   return load.gravity_factor * to_world_axes(context.gravity, dim);
@@ -165,13 +170,12 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   const auto scope = context.timings.measure("time steps");
   load = load_;
   const SteppingParameters& stepping = context.stage.stepping;
-  const double duration = load.step_fraction * step_length(stepping);
   const double longest = stepping.dt > 0. ? std::min(stepping.dt, critical_dt) : stepping.cfl * critical_dt;
-  const unsigned int n_time_steps = std::max(1., std::ceil(duration / longest * (1. - 1e-9)));
+  const unsigned int n_time_steps = std::max(1., std::ceil(duration() / longest * (1. - 1e-9)));
   begin();
 
   NewtonReport report;
-  const double dt = duration / n_time_steps;
+  const double dt = duration() / n_time_steps;
   impulse.assign(context.bodies.points.size(), Vector6::Zero());
   bool admissible = follow_forces(load.start_time);
   kick(0.5 * dt);
@@ -300,9 +304,8 @@ SoilIncrements ExplicitStep<dim>::soil_increments() const
   Kokkos::deep_copy(change, velocity);
   KokkosBlas::axpy(-1., start_velocity, change);
   const ParticleVectors gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
-  const double duration = load.step_fraction * step_length(context.stage.stepping);
   const ParticleVectors acceleration("acceleration", basis.stencils.n_particles); // the mean of the step
-  KokkosBlas::axpby(1. / duration, gained, 0., acceleration);
+  KokkosBlas::axpby(1. / duration(), gained, 0., acceleration);
   Kokkos::parallel_for(
       "damp noise", Policy(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
         for (int d = 0; d < dim; ++d)
@@ -316,7 +319,7 @@ template <int dim> std::vector<Vector6> ExplicitStep<dim>::reactions() const
 {
   BodyLoads mean = impulse;
   for (Vector6& body_load : mean)
-    body_load /= load.step_fraction * step_length(context.stage.stepping);
+    body_load /= duration();
   return find_reactions(context, rigid_step(), body_increments, mean);
 }
 

@@ -249,8 +249,8 @@ template <int dim> void ImplicitStep<dim>::keep_unbalanced()
   kept_unbalanced = start;
 }
 
-/// A guess that is much better than rest was in a step before is taken
-/// as it is. What is remembered of rest fades, so that rest is looked at now and then.
+/// A guess that is much better than rest was in a step before is taken as it is. What is remembered of rest fades, so
+/// that rest is looked at now and then.
 template <int dim> typename ImplicitStep<dim>::Start ImplicitStep<dim>::choose_start(const NewtonProblem& newton)
 {
   const Prediction& prediction = context.soil.prediction();

@@ -38,6 +38,7 @@ public:
 private:
   double contact_squared_frequency() const;
   RigidStep rigid_step() const;
+  double duration() const; ///< of the step, s
   Eigen::Vector3d gravity() const;
   void begin();
   NodalVector project(const View<double* [3]>& quantity) const;
