@@ -1,4 +1,5 @@
 #include <kedge/assembly/deformation.h>
+#include <kedge/materials/principal_frames.h>
 
 namespace kedge
 {
@@ -11,7 +12,7 @@ template <int dim> struct DeformationKernel
   View<double*> increment;
 
   /// So many particles find their principal frames together, on the host in the lanes of vector registers.
-  static constexpr int width = dim == 3 && device_is_host ? 4 : 1;
+  static constexpr int width = dim == 3 && device_is_host ? 8 : 1;
 
   KEDGE_FUNCTION void operator()(const std::size_t batch) const
   {
@@ -23,7 +24,7 @@ template <int dim> struct DeformationKernel
       const unsigned int p = first + (i < n ? i : 0);
       const Eigen::Matrix3d dF = deformation_increment<dim>(stencils, increment, p);
       set_matrix(particles.trial_deformation, p, dF);
-      frames.set(i, internal::push_forward(dF, row_of(particles.elastic_left_cauchy_green, p)));
+      frames.set(i, push_forward(dF, row_of(particles.elastic_left_cauchy_green, p)));
       admissible[i] = determinant(dF) > 0.;
     }
     if constexpr (dim == 3)

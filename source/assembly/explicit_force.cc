@@ -2,6 +2,7 @@
 #include <kedge/assembly/explicit_force.h>
 #include <kedge/assembly/kernels.h>
 #include <kedge/assembly/volume_average.h>
+#include <kedge/materials/stress_lanes.h>
 
 namespace kedge
 {
@@ -22,8 +23,8 @@ template <int dim> struct PathKernel
   static constexpr int packed = packed_components(dim);
   using Packet = Eigen::Matrix<double, packed, 1>;
 
-  /// So many particles find their principal frames together, on the host in the lanes of vector registers.
-  static constexpr int width = device_is_host ? 4 : 1;
+  /// So many particles find their stresses together, on the host in the lanes of vector registers: those of a cell.
+  static constexpr int width = device_is_host ? 1 << dim : 1;
 
   /// Returns the number of inadmissible particles of a cell. The others share the mean J and the mean pressure.
   KEDGE_FUNCTION unsigned long follow_cell(const unsigned int c) const
@@ -40,8 +41,7 @@ template <int dim> struct PathKernel
       share_volume(p, end - p < width ? end - p : width, after / before);
     unsigned long inverted = 0;
     for (unsigned int p = begin; p < end; p += width)
-      inverted += advance([p](const unsigned int i) { return p + i; }, end - p,
-                          [&](const unsigned int i) { return cells.volume_factor(i); });
+      inverted += advance(p, end - p < width ? end - p : width);
     if (inverted > 0)
       return inverted;
     for (unsigned int p = begin; p < end; ++p)
@@ -70,13 +70,12 @@ template <int dim> struct PathKernel
   KEDGE_FUNCTION unsigned long follow_batch(const unsigned int first) const
   {
     const unsigned int rest = particles.n - first, n = rest < width ? rest : width;
-    const auto particle = [first](const unsigned int i) { return first + i; };
-    for (unsigned int i = 0; i < n; ++i)
-      deform(particle(i));
-    const unsigned long inverted = advance(particle, n, [](const unsigned int) { return 1.; });
-    for (unsigned int i = 0; i < n; ++i)
-      if (path.volume_change(particle(i)) > 0.)
-        add_force(particle(i), row_of(particles.trial_stress, particle(i)));
+    for (unsigned int p = first; p < first + n; ++p)
+      deform(p);
+    const unsigned long inverted = advance(first, n);
+    for (unsigned int p = first; p < first + n; ++p)
+      if (path.volume_change(p) > 0.)
+        add_force(p, row_of(particles.trial_stress, p));
     return inverted;
   }
 
@@ -85,12 +84,13 @@ template <int dim> struct PathKernel
   {
     const ParticleNodes at = nodes_of(stencils, p);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
+    const double* increment = path.increment.data();
     Eigen::Matrix<double, packed, dim> f = Eigen::Matrix<double, packed, dim>::Identity();
-    for (unsigned int v = 0; v < at.n; ++v)
+    for (unsigned int v = 0; v < at.n; ++v, gradient += dim)
     {
-      const Eigen::Map<const Packet> d(&path.increment(std::size_t(packed) * at.node[v]));
+      const Eigen::Map<const Packet> d(increment + std::size_t(packed) * at.node[v]);
       for (int j = 0; j < dim; ++j)
-        f.col(j) += gradient[dim * v + j] * d;
+        f.col(j) += gradient[j] * d;
     }
     Matrix3d dF = Matrix3d::Identity();
     dF.template topLeftCorner<dim, dim>() = f.template topRows<dim>();
@@ -98,74 +98,108 @@ template <int dim> struct PathKernel
     return path.volume_change(p) = determinant(dF);
   }
 
-  /// Brings up to `width` particles, `particle(i)` with i < n, to their dF, the dim x dim part times `factor(p)`, and
-  /// leaves its inverse in its place. Returns how many of them are inadmissible; these do not move on.
-  template <typename Particle, typename Factor>
-  KEDGE_FUNCTION unsigned long advance(const Particle& particle, const unsigned int n, const Factor& factor) const
+  /// Brings n <= width particles from the first one on to their dF, with F-bar stretched by their factor, and leaves
+  /// its inverse in its place. Returns how many of them are inadmissible; these do not move on.
+  KEDGE_FUNCTION unsigned long advance(const unsigned int first, const unsigned int n) const
   {
-    PrincipalFrames<width> frames;
-    for (unsigned int i = 0; i < width; ++i)
+    StressLanes<width> lanes;
+    DeformationLanes<width> deformation;
+    double stretch[width], pulled_back[6][width];
+    for (unsigned int l = 0; l < width; ++l)
     {
-      const unsigned int p = particle(i < n ? i : 0);
-      const Matrix3d dF = matrix_of(path.deformation, p);
-      frames.set(i, internal::push_forward(stretched(dF, factor(p)), row_of(path.pulled_back, p)));
+      const unsigned int p = first + (l < n ? l : 0);
+      double* state = &particles.trial_state(p, 0);
+      lanes.point[l] = {particles.young(p), particles.cell_size(p), state};
+      lanes.material[l] = &materials(particles.layer(p));
+      lanes.next_state[l] = state;
+      lanes.admissible[l] = l < n && path.volume_change(p) > 0.;
+      stretch[l] = cells.empty() ? 1. : cells.volume_factor(p);
+      for (int i = 0; i < 9; ++i)
+        deformation.f[i][l] = path.deformation(p, i);
+      for (int i = 0; i < 6; ++i)
+        pulled_back[i][l] = path.pulled_back(p, i);
     }
-    frames.find();
-    frames.find_strains();
+    for (int j = 0; j < dim; ++j)
+      for (int i = 0; i < dim; ++i)
+        for (unsigned int l = 0; l < width; ++l)
+          deformation.f[3 * j + i][l] *= stretch[l];
+    deformation.push_forward(pulled_back, lanes.trial.tensor);
+    lanes.trial.find();
+    lanes.trial.find_strains();
+    lanes.respond();
+    deformation.invert();
+    double stress[6][width], strain[6][width];
+    lanes.trial.turn(lanes.stress, stress);
+    lanes.trial.turn(lanes.elastic_strain, strain);
+
     unsigned long inverted = 0;
-    for (unsigned int i = 0; i < width && i < n; ++i)
+    bool yields = false;
+    for (unsigned int l = 0; l < n; ++l)
     {
-      const unsigned int p = particle(i);
-      if (!(path.volume_change(p) > 0. && settle(p, frames, i, factor(p))))
+      const unsigned int p = first + l;
+      if (!lanes.admissible[l])
       {
         path.volume_change(p) = 0.;
         ++inverted;
+        continue;
       }
+      for (int i = 0; i < 6; ++i)
+      {
+        particles.trial_stress(p, i) = stress[i][l];
+        particles.trial_strain(p, i) = strain[i][l];
+      }
+      particles.trial_plastic(p) += lanes.plastic_increment[l];
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i)
+          path.deformation(p, 3 * j + i) = deformation.f[3 * j + i][l] * (i < dim && j < dim ? stretch[l] : 1.);
+      yields = yields || lanes.status[l] != Status::elastic;
     }
-    return inverted;
-  }
+    if (!yields)
+      return inverted;
 
-  /// Goes on from the trial b of a lane; false where that is inadmissible.
-  KOKKOS_FORCEINLINE_FUNCTION bool settle(const unsigned int p, const PrincipalFrames<width>& frames,
-                                          const unsigned int lane, const double factor) const
-  {
-    SymmetricTensor b = frames.tensor_of(lane);
-    double* state = &particles.trial_state(p, 0);
-    const StressUpdate update =
-        advance_stress(frames.frame_of(lane), frames.strain_of(lane), b,
-                       {particles.young(p), particles.cell_size(p), state}, materials(particles.layer(p)), state);
-    if (update.status == Status::inverted)
-      return false;
-    const Matrix3d to_start = inverse(matrix_of(path.deformation, p));
-    set_matrix(path.deformation, p, to_start);
-    if (update.status != Status::elastic)
-      set_row(path.pulled_back, p, internal::push_forward(stretched(to_start, 1. / factor), b));
-    set_trial(particles, p, update, particles.trial_plastic(p) + update.plastic_increment);
-    return true;
+    double b[6][width];
+    lanes.find_left_cauchy_green(b);
+    deformation.push_forward(b, pulled_back);
+    for (unsigned int l = 0; l < n; ++l)
+      if (lanes.admissible[l] && lanes.status[l] != Status::elastic)
+        for (int i = 0; i < 6; ++i)
+          path.pulled_back(first + l, i) = pulled_back[i][l];
+    return inverted;
   }
 
   /// Adds V tau grad_x S, as add_internal_force() does.
   KEDGE_FUNCTION void add_force(const unsigned int p, const SymmetricTensor& stress) const
   {
-    const Matrix3d flux =
-        integration_volume(particles, stencils, p) * full_matrix(stress) * matrix_of(path.deformation, p).transpose();
-    Eigen::Matrix<double, packed, dim> columns = Eigen::Matrix<double, packed, dim>::Zero();
-    columns.template topRows<dim>() = flux.template topLeftCorner<dim, dim>();
+    // Columns in registers: what is written number by number and read as a vector has to wait for its writing.
+    Packet tau[dim], flux[dim];
+    if constexpr (dim == 3)
+    {
+      tau[0] = Packet(stress[0], stress[3], stress[5], 0.);
+      tau[1] = Packet(stress[3], stress[1], stress[4], 0.);
+      tau[2] = Packet(stress[5], stress[4], stress[2], 0.);
+    }
+    else
+    {
+      tau[0] = Packet(stress[0], stress[3]);
+      tau[1] = Packet(stress[3], stress[1]);
+    }
+    for (int j = 0; j < dim; ++j)
+    {
+      flux[j] = path.deformation(p, j) * tau[0];
+      for (int k = 1; k < dim; ++k)
+        flux[j] += path.deformation(p, 3 * k + j) * tau[k];
+      flux[j] *= integration_volume(particles, stencils, p);
+    }
     const ParticleNodes at = nodes_of(stencils, p);
     const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-    for (unsigned int v = 0; v < at.n; ++v)
+    double* force = path.force.data();
+    for (unsigned int v = 0; v < at.n; ++v, gradient += dim)
     {
-      Packet f = gradient[dim * v] * columns.col(0);
+      Packet f = gradient[0] * flux[0];
       for (int j = 1; j < dim; ++j)
-        f += gradient[dim * v + j] * columns.col(j);
-      add_to<packed>(&path.force(std::size_t(packed) * at.node[v]), f);
+        f += gradient[j] * flux[j];
+      add_to<packed>(force + std::size_t(packed) * at.node[v], f);
     }
-  }
-
-  KEDGE_FUNCTION static Matrix3d stretched(Matrix3d f, const double factor)
-  {
-    f.template topLeftCorner<dim, dim>() *= factor;
-    return f;
   }
 };
 } // namespace

@@ -1,9 +1,66 @@
 #include <kedge/assembly/deformation.h>
 #include <kedge/assembly/internal_force.h>
 #include <kedge/assembly/volume_average.h>
+#include <kedge/materials/stress_lanes.h>
 
 namespace kedge
 {
+namespace
+{
+/// Follows deform(), and share_pressure() with F-bar.
+template <int dim> struct StressKernel
+{
+  ParticleArrays particles;
+  StencilSet stencils;
+  Materials materials;
+  View<double*> factor, pressure; ///< F-bar's, by particle; empty without it
+  View<double*> force;
+
+  /// So many particles find their stresses together, on the host in the lanes of vector registers.
+  static constexpr int width = device_is_host ? 8 : 1;
+
+  KEDGE_FUNCTION void operator()(const std::size_t batch, unsigned long& inverted) const
+  {
+    const unsigned int first = width * batch, rest = particles.n - first, n = rest < width ? rest : width;
+    StressLanes<width> lanes;
+    for (unsigned int l = 0; l < width; ++l)
+    {
+      const unsigned int p = first + (l < n ? l : 0);
+      lanes.trial.set(l, trial_frame<dim>(particles, factor, p));
+      lanes.point[l] = {particles.young(p), particles.cell_size(p), &particles.state(p, 0)};
+      lanes.material[l] = &materials(particles.layer(p));
+      lanes.next_state[l] = &particles.trial_state(p, 0);
+      lanes.admissible[l] = l < n;
+    }
+    lanes.trial.find_strains();
+    lanes.respond();
+    double stress[6][width], strain[6][width];
+    lanes.trial.turn(lanes.stress, stress);
+    lanes.trial.turn(lanes.elastic_strain, strain);
+    for (unsigned int l = 0; l < n; ++l)
+    {
+      const unsigned int p = first + l;
+      if (!lanes.admissible[l])
+      {
+        ++inverted;
+        continue;
+      }
+      SymmetricTensor acting;
+      for (int i = 0; i < 6; ++i)
+      {
+        acting[i] = particles.trial_stress(p, i) = stress[i][l];
+        particles.trial_strain(p, i) = strain[i][l];
+      }
+      particles.trial_plastic(p) = lanes.plastic_increment[l];
+      const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
+      if (pressure.extent(0) > 0)
+        acting = with_mean_stress<dim>(acting, determinant(dF) * pressure(p));
+      add_internal_force<dim>(particles, stencils, p, acting, inverse(dF), force);
+    }
+  }
+};
+} // namespace
+
 template <int dim>
 unsigned long update_stress_and_force(const ParticleArrays& particles, const StencilSet& stencils,
                                       const Materials& materials, const NodalVector& increment,
@@ -11,28 +68,11 @@ unsigned long update_stress_and_force(const ParticleArrays& particles, const Ste
 {
   deform<dim>(particles, stencils, increment);
   share_pressure<dim>(particles, stencils, cells, materials);
-  const View<double*> factor = cells.volume_factor, pressure = cells.pressure;
+  constexpr std::size_t width = StressKernel<dim>::width;
   unsigned long n_inverted = 0;
   Kokkos::parallel_reduce(
-      "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
-      KOKKOS_LAMBDA(const unsigned int p, unsigned long& inverted) {
-        const Eigen::Matrix3d dF = matrix_of(particles.trial_deformation, p);
-        const StressUpdate update = update_stress(trial_frame<dim>(particles, factor, p),
-                                                  {particles.young(p), particles.cell_size(p), &particles.state(p, 0)},
-                                                  materials(particles.layer(p)), &particles.trial_state(p, 0));
-        if (update.status == Status::inverted)
-        {
-          ++inverted;
-          return;
-        }
-        set_trial(particles, p, update, update.plastic_increment);
-        const bool shares = pressure.extent(0) > 0;
-        add_internal_force<dim>(particles, stencils, p,
-                                shares ? with_mean_stress<dim>(update.stress, determinant(dF) * pressure(p))
-                                       : update.stress,
-                                inverse(dF), force);
-      },
-      n_inverted);
+      "stress and internal force", Kokkos::RangePolicy<ExecutionSpace>(0, (particles.n + width - 1) / width),
+      StressKernel<dim>{particles, stencils, materials, cells.volume_factor, cells.pressure, force}, n_inverted);
   return n_inverted;
 }
 

@@ -106,18 +106,6 @@ KEDGE_FUNCTION Eigen::Matrix3d stretch(Eigen::Matrix3d f, const View<double*>& f
   return f;
 }
 
-KEDGE_FUNCTION Eigen::Matrix3d inverse(const Eigen::Matrix3d& f)
-{
-  Eigen::Matrix3d c;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-    {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      c(j, i) = f(i1, j1) * f(i2, j2) - f(i1, j2) * f(i2, j1);
-    }
-  return c * (1. / (f(0, 0) * c(0, 0) + f(0, 1) * c(1, 0) + f(0, 2) * c(2, 0)));
-}
-
 /// Reads row p of a view of symmetric tensors; set_row() writes it.
 KEDGE_FUNCTION SymmetricTensor row_of(const View<double* [6]>& view, const unsigned int p)
 {
@@ -146,16 +134,6 @@ KEDGE_FUNCTION void set_matrix(const View<double* [9]>& view, const unsigned int
 {
   for (int i = 0; i < 9; ++i)
     view(p, i) = m(i % 3, i / 3);
-}
-
-/// Writes what a law has returned for particle p to its trial state. `plastic_increment` is that since the start of the
-/// step. State variables are there already: laws write them in place.
-KEDGE_FUNCTION void set_trial(const ParticleArrays& particles, const unsigned int p, const StressUpdate& update,
-                              const double plastic_increment)
-{
-  set_row(particles.trial_stress, p, update.stress);
-  set_row(particles.trial_strain, p, update.elastic_strain);
-  particles.trial_plastic(p) = plastic_increment;
 }
 
 /// Volume over which the stress of particle p is integrated, at the scale of V0, m3 (2-D: m2).

@@ -1,50 +1,17 @@
 // Logarithmic (Hencky) strain, the principal frame and isotropic elasticity in it.
 #pragma once
 
-#include <Eigen/Core>
 #include <cmath>
-#include <kedge/base/kokkos.h>
+#include <kedge/materials/tensors.h>
 
 namespace kedge
 {
-/// Symmetric tensor, ordered xx yy zz xy yz xz; shears are tensor components, not engineering ones.
-using SymmetricTensor = Eigen::Matrix<double, 6, 1>;
-
-KEDGE_FUNCTION Eigen::Matrix3d full_matrix(const SymmetricTensor& s)
-{
-  Eigen::Matrix3d m;
-  m(0, 0) = s[0];
-  m(1, 1) = s[1];
-  m(2, 2) = s[2];
-  m(0, 1) = m(1, 0) = s[3];
-  m(1, 2) = m(2, 1) = s[4];
-  m(0, 2) = m(2, 0) = s[5];
-  return m;
-}
-
 /// Eigenvalues in no particular order; the columns of the proper rotation `directions` are the eigenvectors.
 struct PrincipalFrame
 {
   Eigen::Vector3d values;
   Eigen::Matrix3d directions;
 };
-
-/// Sum over m of values[m] n_m n_m^T, with n_m the columns of `directions`.
-KEDGE_FUNCTION SymmetricTensor from_principal(const Eigen::Vector3d& values, const Eigen::Matrix3d& directions)
-{
-  SymmetricTensor s = SymmetricTensor::Zero();
-  for (int m = 0; m < 3; ++m)
-  {
-    const double x = directions(0, m), y = directions(1, m), z = directions(2, m);
-    s[0] += values[m] * x * x;
-    s[1] += values[m] * y * y;
-    s[2] += values[m] * z * z;
-    s[3] += values[m] * x * y;
-    s[4] += values[m] * y * z;
-    s[5] += values[m] * x * z;
-  }
-  return s;
-}
 
 /// Largest root in magnitude, sqrt(3) <= x <= 2, of x^3 - 3 x - 2 h = 0 for 0 <= h <= 1: the scaled characteristic
 /// polynomial of a deviator. Unlike the other two roots this one is well conditioned for every h.
@@ -144,71 +111,6 @@ KEDGE_FUNCTION PrincipalFrame plane_frame(const SymmetricTensor& s)
   frame.directions(2, 2) = 1.;
   return frame;
 }
-
-/// Several tensors and their frames, number by number, which is the layout of vector registers.
-template <int width> struct PrincipalFrames
-{
-  double tensor[6][width], values[3][width], directions[3][3][width], strains[3][width];
-
-  KEDGE_FUNCTION void find()
-  {
-    for (int l = 0; l < width; ++l)
-    {
-      const PrincipalFrame frame =
-          principal_frame_of({tensor[0][l], tensor[1][l], tensor[2][l], tensor[3][l], tensor[4][l], tensor[5][l]});
-      for (int i = 0; i < 3; ++i)
-      {
-        values[i][l] = frame.values[i];
-        for (int j = 0; j < 3; ++j)
-          directions[i][j][l] = frame.directions(i, j);
-      }
-    }
-  }
-
-  /// Of left Cauchy-Green tensors, after find(): their principal logarithmic strains. Logarithms of numbers that are
-  /// not positive are no numbers.
-  KEDGE_FUNCTION void find_strains()
-  {
-    using Numbers = Eigen::Array<double, width, 1>; // Eigen takes logarithms in vectors
-    for (int i = 0; i < 3; ++i)
-    {
-      const Eigen::Map<const Numbers> value(values[i]);
-      Eigen::Map<Numbers> strain(strains[i]);
-      strain = 0.5 * value.log();
-    }
-  }
-
-  KEDGE_FUNCTION Eigen::Vector3d strain_of(const int l) const
-  {
-    return Eigen::Vector3d(strains[0][l], strains[1][l], strains[2][l]);
-  }
-
-  KEDGE_FUNCTION void set(const int l, const SymmetricTensor& s)
-  {
-    for (int i = 0; i < 6; ++i)
-      tensor[i][l] = s[i];
-  }
-
-  KEDGE_FUNCTION SymmetricTensor tensor_of(const int l) const
-  {
-    SymmetricTensor s;
-    for (int i = 0; i < 6; ++i)
-      s[i] = tensor[i][l];
-    return s;
-  }
-
-  KEDGE_FUNCTION PrincipalFrame frame_of(const int l) const
-  {
-    PrincipalFrame frame;
-    for (int i = 0; i < 3; ++i)
-    {
-      frame.values[i] = values[i][l];
-      for (int j = 0; j < 3; ++j)
-        frame.directions(i, j) = directions[i][j][l];
-    }
-    return frame;
-  }
-};
 
 /// Principal logarithmic strains of a left Cauchy-Green tensor with these principal values.
 KEDGE_FUNCTION Eigen::Vector3d principal_strain(const Eigen::Vector3d& values)

@@ -62,57 +62,8 @@ struct StressUpdate
   Status status;
 };
 
-KEDGE_FUNCTION double determinant(const Eigen::Matrix3d& f)
-{
-  return f(0, 0) * (f(1, 1) * f(2, 2) - f(1, 2) * f(2, 1)) - f(0, 1) * (f(1, 0) * f(2, 2) - f(1, 2) * f(2, 0)) +
-         f(0, 2) * (f(1, 0) * f(2, 1) - f(1, 1) * f(2, 0));
-}
-
 namespace internal
 {
-/// dF b dF^T.
-KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const SymmetricTensor& b)
-{
-  double fb[3][3];
-  for (int i = 0; i < 3; ++i)
-  {
-    fb[i][0] = f(i, 0) * b[0] + f(i, 1) * b[3] + f(i, 2) * b[5];
-    fb[i][1] = f(i, 0) * b[3] + f(i, 1) * b[1] + f(i, 2) * b[4];
-    fb[i][2] = f(i, 0) * b[5] + f(i, 1) * b[4] + f(i, 2) * b[2];
-  }
-  const auto entry = [&](const int i, const int j)
-  { return fb[i][0] * f(j, 0) + fb[i][1] * f(j, 1) + fb[i][2] * f(j, 2); };
-  SymmetricTensor pushed;
-  pushed << entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(0, 2);
-  return pushed;
-}
-
-/// `pushed` is the trial b, `frame` its principal frame, `trial_strain` the principal logarithmic strain.
-template <bool with_tangent>
-KEDGE_FUNCTION StressUpdate update_stress_in(const PrincipalFrame& frame, const Eigen::Vector3d& trial_strain,
-                                             const SymmetricTensor& pushed, const MaterialPoint& point,
-                                             const Material& material, double* next_state, PrincipalTangent* tangent,
-                                             SymmetricTensor* next_b, const double elastic_share)
-{
-  Response response = respond<with_tangent>(trial_strain, point, material, next_state);
-  if constexpr (with_tangent)
-  {
-    if (response.status != Status::elastic)
-      response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
-    *tangent = principal_tangent(response, material.elasticity(point.young), trial_strain, frame.values);
-  }
-  if (next_b != nullptr)
-  {
-    const Eigen::Vector3d& e = response.elastic_strain;
-    *next_b = response.status == Status::elastic
-                  ? pushed
-                  : from_principal(Eigen::Vector3d(std::exp(2. * e[0]), std::exp(2. * e[1]), std::exp(2. * e[2])),
-                                   frame.directions);
-  }
-  return {from_principal(response.stress, frame.directions), from_principal(response.elastic_strain, frame.directions),
-          response.plastic_increment, response.status};
-}
-
 KEDGE_FUNCTION bool all_positive(const Eigen::Vector3d& values)
 {
   return values[0] > 0. && values[1] > 0. && values[2] > 0.;
@@ -123,12 +74,22 @@ KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const Mat
                                           const Material& material, double* next_state, PrincipalTangent* tangent,
                                           const double elastic_share = 0.)
 {
-  if (all_positive(trial.values))
-    return update_stress_in<with_tangent>(trial, principal_strain(trial.values), SymmetricTensor::Zero(), point,
-                                          material, next_state, tangent, nullptr, elastic_share);
+  if (!all_positive(trial.values))
+  {
+    if constexpr (with_tangent)
+      *tangent = {};
+    return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
+  }
+  const Eigen::Vector3d strain = principal_strain(trial.values);
+  Response response = respond<with_tangent>(strain, point, material, next_state);
   if constexpr (with_tangent)
-    *tangent = {};
-  return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
+  {
+    if (response.status != Status::elastic)
+      response.residual_stiffness = std::fmax(response.residual_stiffness, elastic_share);
+    *tangent = principal_tangent(response, material.elasticity(point.young), strain, trial.values);
+  }
+  return {from_principal(response.stress, trial.directions), from_principal(response.elastic_strain, trial.directions),
+          response.plastic_increment, response.status};
 }
 } // namespace internal
 
@@ -136,7 +97,7 @@ KEDGE_FUNCTION StressUpdate update_stress(const PrincipalFrame& trial, const Mat
 /// committed elastic left Cauchy-Green tensor exp(2 eps_e), computed once per step by left_cauchy_green().
 KEDGE_FUNCTION PrincipalFrame trial_frame(const Eigen::Matrix3d& increment, const SymmetricTensor& b)
 {
-  PrincipalFrame frame = principal_frame(internal::push_forward(increment, b));
+  PrincipalFrame frame = principal_frame(push_forward(increment, b));
   if (!(determinant(increment) > 0.))
     frame.values.setZero();
   return frame;
@@ -176,17 +137,5 @@ KEDGE_FUNCTION StressUpdate update_stress(const Eigen::Matrix3d& increment, cons
   const StressUpdate update = update_stress(frame, point, material, next_state, principal, elastic_share);
   tangent = turn(principal, frame.directions);
   return update;
-}
-
-/// The same without a tangent for a path of many increments, where the trial b, its principal frame and its principal
-/// logarithmic strain are known: `b` becomes the one that the path goes on from, and stays as it is where it is
-/// inverted.
-KEDGE_FUNCTION StressUpdate advance_stress(const PrincipalFrame& frame, const Eigen::Vector3d& trial_strain,
-                                           SymmetricTensor& b, const MaterialPoint& point, const Material& material,
-                                           double* next_state)
-{
-  if (!internal::all_positive(frame.values))
-    return {SymmetricTensor::Zero(), SymmetricTensor::Zero(), 0., Status::inverted};
-  return internal::update_stress_in<false>(frame, trial_strain, b, point, material, next_state, nullptr, &b, 0.);
 }
 } // namespace kedge

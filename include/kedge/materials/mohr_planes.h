@@ -21,48 +21,101 @@ struct MohrPlanes
   double sin_psi;
   double cohesion; ///< Pa, > 0
 
+  /// Where a trial strain returns to, in its order.
+  struct Return
+  {
+    double stress[3], elastic_strain[3], plastic_increment;
+    double status;   ///< Status; numbers of one kind fill vector registers
+    double order[3]; ///< which trial strains are the largest, the middle and the smallest one
+    bool extension;  ///< the second plane of an edge is 1-2 rather than 2-3
+  };
+
+  /// Without branches, so that StressLanes asks several points at once in vectors.
+  KOKKOS_FORCEINLINE_FUNCTION Return find_return(const double (&strain)[3], const HenckyElasticity& elasticity) const
+  {
+    const double lame = elasticity.lame, shear = elasticity.shear;
+    const double pressure = lame * (strain[0] + strain[1] + strain[2]);
+    const double trial[3] = {pressure + 2. * shear * strain[0], pressure + 2. * shear * strain[1],
+                             pressure + 2. * shear * strain[2]};
+    Return result;
+    double s[3] = {strain[0], strain[1], strain[2]};
+    sort(s, result.order);
+    for (double& sorted : s)
+      sorted = pressure + 2. * shear * sorted;
+
+    const double strength = 2. * cohesion * cos_phi;
+    const double f13 = (1. + sin_phi) * s[0] - (1. - sin_phi) * s[2] - strength;
+    const bool elastic = f13 <= 2. * shear * yield_tolerance;
+
+    // The return to the plane 1-3.
+    const double a = own_stiffness(elasticity);
+    const double level = 2. * lame * sin_psi; // stress relieved by unit flow: of the middle, the high, the low one
+    const double high = level + 2. * shear * (1. + sin_psi), low = level - 2. * shear * (1. - sin_psi);
+    const double multiplier = f13 / a;
+    const double plane[3] = {s[0] - multiplier * high, s[1] - multiplier * level, s[2] - multiplier * low};
+    const bool extension = plane[2] > plane[1], on_edge = extension || plane[1] > plane[0];
+
+    // The second plane is 1-2 on the edge of extension, 2-3 on that of compression.
+    const double sign = extension ? 1. : -1.;
+    const double b = neighbour_stiffness(elasticity, sign);
+    const double scale = 1. / (stiffness_difference(elasticity, sign) * (a + b));
+    const double f2 =
+        (1. + sin_phi) * (extension ? s[0] : s[1]) - (1. - sin_phi) * (extension ? s[1] : s[2]) - strength;
+    const double first = scale * (a * f13 - b * f2), second = scale * (a * f2 - b * f13);
+    const double top = s[0] - first * high - second * (extension ? high : level);
+    const double middle = s[1] - first * level - second * (extension ? low : high);
+    const double bottom = s[2] - first * low - second * (extension ? level : low);
+    const double equal = 0.5 * (middle + (extension ? bottom : top)); // equal to the last bit
+    const double edge[3] = {extension ? top : equal, equal, extension ? equal : bottom};
+    const bool at_apex = edge[0] < edge[2];
+    const double apex = 0.5 * strength / sin_phi;
+
+    double sorted[3];
+    for (int i = 0; i < 3; ++i)
+      sorted[i] = !on_edge ? plane[i] : at_apex ? apex : edge[i];
+    for (int i = 0; i < 3; ++i)
+    {
+      const double plastic = result.order[0] == i ? sorted[0] : result.order[1] == i ? sorted[1] : sorted[2];
+      result.stress[i] = elastic ? trial[i] : plastic;
+    }
+    const double mean = (result.stress[0] + result.stress[1] + result.stress[2]) / 3., flexibility = 0.5 / shear;
+    const double volumetric = mean / (3. * elasticity.bulk());
+    double lost[3];
+    for (int i = 0; i < 3; ++i)
+    {
+      result.elastic_strain[i] = elastic ? strain[i] : volumetric + flexibility * (result.stress[i] - mean);
+      lost[i] = strain[i] - result.elastic_strain[i];
+    }
+    const double x = lost[0] - lost[1], y = lost[1] - lost[2], z = lost[2] - lost[0];
+    result.plastic_increment = std::sqrt(2. / 9. * (x * x + y * y + z * z));
+    result.status = elastic    ? number(Status::elastic)
+                    : !on_edge ? number(Status::plastic)
+                    : at_apex  ? number(Status::apex)
+                               : number(Status::edge);
+    result.extension = extension;
+    return result;
+  }
+
   template <bool with_tangent>
   KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const HenckyElasticity& elasticity) const
   {
-    int order[3];
-    sort(trial_strain, order);
-    const Eigen::Vector3d trial =
-        elasticity.stress(Eigen::Vector3d(trial_strain[order[0]], trial_strain[order[1]], trial_strain[order[2]]));
-
-    const double strength = 2. * cohesion * cos_phi;
-    const double f13 = (1. + sin_phi) * trial[0] - (1. - sin_phi) * trial[2] - strength;
-    if (f13 <= 2. * elasticity.shear * yield_tolerance)
+    const Return found = find_return({trial_strain[0], trial_strain[1], trial_strain[2]}, elasticity);
+    Response response;
+    response.status = static_cast<Status>(static_cast<int>(found.status));
+    if (response.status == Status::elastic)
       return elastic_response<with_tangent>(trial_strain, elasticity);
-
-    // The stiffness between the normals of two planes: a for a plane with itself, b for it with its neighbour.
-    const double shared = 4. * elasticity.lame * sin_phi * sin_psi;
-    const double a = shared + 4. * elasticity.shear * (1. + sin_phi * sin_psi);
-    const Eigen::Vector3d flow13 = stiff_normal(elasticity, sin_psi, 0, 2);
-    Eigen::Vector3d stress = trial - (f13 / a) * flow13;
-    const bool extension = stress[2] > stress[1], compression = stress[1] > stress[0];
-    Planes planes = {flow13, Eigen::Vector3d::Zero(), (1. / a) * stiff_normal(elasticity, sin_phi, 0, 2),
-                     Eigen::Vector3d::Zero()};
-    if (!(extension || compression))
-      return finish<with_tangent>(order, stress, planes, trial_strain, elasticity, Status::plastic);
-
-    // The second plane is 1-2 on the edge of extension, 2-3 on that of compression.
-    const int high = extension ? 0 : 1, low = extension ? 1 : 2, twin = extension ? 2 : 0;
-    const double towards = (1. + sin_phi) * (1. + sin_psi), away = (1. - sin_phi) * (1. - sin_psi);
-    const double b = shared + 2. * elasticity.shear * (extension ? towards : away);
-    const double difference = 2. * elasticity.shear * (extension ? away : towards); // a - b, without cancellation
-    const double inverse = 1. / (difference * (a + b));
-    const double f2 = (1. + sin_phi) * trial[high] - (1. - sin_phi) * trial[low] - strength;
-    planes.flow2 = stiff_normal(elasticity, sin_psi, high, low);
-    stress = trial - (inverse * (a * f13 - b * f2)) * flow13 - (inverse * (a * f2 - b * f13)) * planes.flow2;
-    stress[1] = stress[twin] = 0.5 * (stress[1] + stress[twin]); // equal to the last bit
-    if (stress[0] < stress[2])
-      return apex_response<with_tangent>(trial_strain, elasticity, 0.5 * strength / sin_phi);
-
-    const Eigen::Vector3d normal13 = stiff_normal(elasticity, sin_phi, 0, 2);
-    const Eigen::Vector3d normal2 = stiff_normal(elasticity, sin_phi, high, low);
-    planes.gradient13 = inverse * (a * normal13 - b * normal2);
-    planes.gradient2 = inverse * (a * normal2 - b * normal13);
-    return finish<with_tangent>(order, stress, planes, trial_strain, elasticity, Status::edge);
+    if (response.status == Status::apex)
+      return apex_response<with_tangent>(trial_strain, elasticity, found.stress[0]);
+    for (int i = 0; i < 3; ++i)
+    {
+      response.stress[i] = found.stress[i];
+      response.elastic_strain[i] = found.elastic_strain[i];
+    }
+    response.plastic_increment = found.plastic_increment;
+    response.residual_stiffness = 0.;
+    if constexpr (with_tangent)
+      set_tangent(found, trial_strain, elasticity, response);
+    return response;
   }
 
   /// d stress / d q at a fixed trial strain, where the angles' functions change by `change` with a parameter q and
@@ -76,10 +129,10 @@ struct MohrPlanes
       return Eigen::Vector3d::Zero();
     if (response.status == Status::apex)
       return Eigen::Vector3d::Constant(cohesion * (change.cos_phi - cos_phi / sin_phi * change.sin_phi) / sin_phi);
-    int order[3];
-    sort(trial_strain, order);
-    const Eigen::Vector3d trial =
-        elasticity.stress(Eigen::Vector3d(trial_strain[order[0]], trial_strain[order[1]], trial_strain[order[2]]));
+    double sorted[3] = {trial_strain[0], trial_strain[1], trial_strain[2]}, position[3];
+    sort(sorted, position);
+    const int order[3] = {int(position[0]), int(position[1]), int(position[2])};
+    const Eigen::Vector3d trial = elasticity.stress(Eigen::Vector3d(sorted[0], sorted[1], sorted[2]));
     const bool extension = response.stress[order[1]] == response.stress[order[2]];
     const Eigen::Vector3d rate = response.status == Status::plastic ? plane_rate(change, trial, elasticity)
                                                                     : edge_rate(change, trial, elasticity, extension);
@@ -90,11 +143,24 @@ struct MohrPlanes
   }
 
 private:
-  /// The stiffness a of a plane with itself, and the derivative of sin(phi) sin(psi) in it.
+  KEDGE_FUNCTION static constexpr double number(const Status status) { return static_cast<int>(status); }
+
+  /// The stiffness between the normals of two planes: a of a plane with itself, b of it with its neighbour on the edge
+  /// of extension (sign 1) or of compression (-1), and a - b, without cancellation.
   KEDGE_FUNCTION double own_stiffness(const HenckyElasticity& elasticity) const
   {
     return 4. * elasticity.lame * sin_phi * sin_psi + 4. * elasticity.shear * (1. + sin_phi * sin_psi);
   }
+  KEDGE_FUNCTION double neighbour_stiffness(const HenckyElasticity& elasticity, const double sign) const
+  {
+    return 4. * elasticity.lame * sin_phi * sin_psi +
+           2. * elasticity.shear * (1. + sign * sin_phi) * (1. + sign * sin_psi);
+  }
+  KEDGE_FUNCTION double stiffness_difference(const HenckyElasticity& elasticity, const double sign) const
+  {
+    return 2. * elasticity.shear * (1. - sign * sin_phi) * (1. - sign * sin_psi);
+  }
+  /// The derivative of sin(phi) sin(psi) in them.
   KEDGE_FUNCTION double product_rate(const MohrPlanes& change) const
   {
     return change.sin_phi * sin_psi + sin_phi * change.sin_psi;
@@ -141,12 +207,11 @@ private:
     const int high = extension ? 0 : 1, low = extension ? 1 : 2, twin = extension ? 2 : 0;
     const double sign = extension ? 1. : -1.;
     const double a = own_stiffness(elasticity), a_rate = 4. * (lame + shear) * product_rate(change);
-    const double b = 4. * lame * sin_phi * sin_psi + 2. * shear * (1. + sign * sin_phi) * (1. + sign * sin_psi);
+    const double b = neighbour_stiffness(elasticity, sign);
     const double b_rate =
         4. * lame * product_rate(change) +
         2. * shear * sign * (change.sin_phi * (1. + sign * sin_psi) + change.sin_psi * (1. + sign * sin_phi));
-    const double difference = 2. * shear * (1. - sign * sin_phi) * (1. - sign * sin_psi); // a - b
-    const double inverse = 1. / (difference * (a + b));
+    const double inverse = 1. / (stiffness_difference(elasticity, sign) * (a + b));
     const double f13 = yield(trial, 0, 2), f2 = yield(trial, high, low);
     const double first = inverse * (a * f13 - b * f2), second = inverse * (a * f2 - b * f13);
     const double f13_rate = yield_rate(change, trial, 0, 2) - a_rate * first - b_rate * second;
@@ -159,31 +224,19 @@ private:
     return rate;
   }
 
-  /// Of the plane 1-3 and the second one: the stress that a unit of flow relieves, and the derivative of its multiplier
-  /// with respect to the sorted trial strain.
-  struct Planes
+  /// Sorts strains, largest first, without branches. `order` receives where they were.
+  KOKKOS_FORCEINLINE_FUNCTION static void sort(double (&strain)[3], double (&order)[3])
   {
-    Eigen::Vector3d flow13, flow2, gradient13, gradient2;
-  };
-
-  /// Positions of the largest, the middle and the smallest strain.
-  KEDGE_FUNCTION static void sort(const Eigen::Vector3d& strain, int (&order)[3])
-  {
-    order[0] = 0;
-    order[1] = 1;
-    order[2] = 2;
-    sort_pair(strain, order[0], order[1]);
-    sort_pair(strain, order[1], order[2]);
-    sort_pair(strain, order[0], order[1]);
-  }
-
-  KEDGE_FUNCTION static void sort_pair(const Eigen::Vector3d& strain, int& first, int& second)
-  {
-    if (strain[first] < strain[second])
+    for (int i = 0; i < 3; ++i)
+      order[i] = i;
+    for (const int i : {0, 1, 0})
     {
-      const int kept = first;
-      first = second;
-      second = kept;
+      const bool swap = strain[i] < strain[i + 1];
+      const double first = strain[i], second = strain[i + 1], one = order[i], other = order[i + 1];
+      strain[i] = swap ? second : first;
+      strain[i + 1] = swap ? first : second;
+      order[i] = swap ? other : one;
+      order[i + 1] = swap ? one : other;
     }
   }
 
@@ -197,37 +250,40 @@ private:
     return n;
   }
 
-  template <bool with_tangent>
-  KEDGE_FUNCTION static Response finish(const int (&order)[3], const Eigen::Vector3d& sorted_stress,
-                                        const Planes& planes, const Eigen::Vector3d& trial_strain,
-                                        const HenckyElasticity& elasticity, const Status status)
+  /// On the plane 1-3 and on edges.
+  KEDGE_FUNCTION void set_tangent(const Return& found, const Eigen::Vector3d& trial_strain,
+                                  const HenckyElasticity& elasticity, Response& response) const
   {
-    Response response;
-    for (int i = 0; i < 3; ++i)
-      response.stress[order[i]] = sorted_stress[i];
-    response.elastic_strain = elasticity.strain(response.stress);
-    const Eigen::Vector3d plastic = trial_strain - response.elastic_strain;
-    const double x = plastic[0] - plastic[1], y = plastic[1] - plastic[2], z = plastic[2] - plastic[0];
-    response.plastic_increment = std::sqrt(2. / 9. * (x * x + y * y + z * z));
-    response.residual_stiffness = 0.;
-    response.status = status;
-    if constexpr (with_tangent)
+    // Of each plane: the stress that a unit of flow relieves, and the derivative of its multiplier with respect to the
+    // sorted trial strain.
+    const Eigen::Vector3d flow13 = stiff_normal(elasticity, sin_psi, 0, 2);
+    const Eigen::Vector3d normal13 = stiff_normal(elasticity, sin_phi, 0, 2);
+    const double a = own_stiffness(elasticity);
+    Eigen::Vector3d flow2 = Eigen::Vector3d::Zero(), gradient13 = (1. / a) * normal13, gradient2 = flow2;
+    if (response.status == Status::edge)
     {
-      const double two_g = 2. * elasticity.shear;
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i)
-          response.tangent(order[i], order[j]) = elasticity.lame + (i == j ? two_g : 0.) -
-                                                 planes.flow13[i] * planes.gradient13[j] -
-                                                 planes.flow2[i] * planes.gradient2[j];
-      // Equal strains always end on an edge with equal stresses: then 0 / 0, which fmax turns into 0.
-      for (int m = 0; m < 3; ++m)
-      {
-        const int n = m == 2 ? 0 : m + 1;
-        const double quotient = (response.stress[m] - response.stress[n]) / (trial_strain[m] - trial_strain[n]);
-        response.shear_stiffness[m] = std::fmin(std::fmax(quotient, 0.), two_g);
-      }
+      const int high = found.extension ? 0 : 1, low = found.extension ? 1 : 2;
+      const double sign = found.extension ? 1. : -1.;
+      const double b = neighbour_stiffness(elasticity, sign),
+                   scale = 1. / (stiffness_difference(elasticity, sign) * (a + b));
+      const Eigen::Vector3d normal2 = stiff_normal(elasticity, sin_phi, high, low);
+      flow2 = stiff_normal(elasticity, sin_psi, high, low);
+      gradient13 = scale * (a * normal13 - b * normal2);
+      gradient2 = scale * (a * normal2 - b * normal13);
     }
-    return response;
+    const int order[3] = {int(found.order[0]), int(found.order[1]), int(found.order[2])};
+    const double two_g = 2. * elasticity.shear;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i)
+        response.tangent(order[i], order[j]) =
+            elasticity.lame + (i == j ? two_g : 0.) - flow13[i] * gradient13[j] - flow2[i] * gradient2[j];
+    // Equal strains always end on an edge with equal stresses: then 0 / 0, which fmax turns into 0.
+    for (int m = 0; m < 3; ++m)
+    {
+      const int n = m == 2 ? 0 : m + 1;
+      const double quotient = (response.stress[m] - response.stress[n]) / (trial_strain[m] - trial_strain[n]);
+      response.shear_stiffness[m] = std::fmin(std::fmax(quotient, 0.), two_g);
+    }
   }
 };
 } // namespace kedge

@@ -71,7 +71,7 @@ double spatial_error(const Material& material, const State& state, const Eigen::
 bool is_smooth(const Material& material, const State& state, const Eigen::Matrix3d& increment, const SymmetricTensor& b,
                const double step)
 {
-  const SymmetricTensor strain = logarithmic_strain(internal::push_forward(increment, b));
+  const SymmetricTensor strain = logarithmic_strain(push_forward(increment, b));
   const Eigen::Vector3d principal = principal_frame(strain).values;
   Eigen::Matrix3d ignored;
   return differentiate(material, state, principal, 3. * step, ignored) &&

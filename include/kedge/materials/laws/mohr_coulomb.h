@@ -52,14 +52,20 @@ struct MohrCoulomb
     return {at.sin_phi_rate, at.cos_phi_rate, at.sin_psi_rate, 0.};
   }
 
+  /// Whether planes() are the law, at every strain.
+  KEDGE_FUNCTION bool is_fixed() const { return !softening.active(); }
+
+  KEDGE_FUNCTION MohrPlanes planes(const double young) const
+  {
+    return {sin_phi, cos_phi, sin_psi, effective_cohesion(cohesion, young)};
+  }
+
   template <bool with_tangent>
   KEDGE_FUNCTION Response respond(const Eigen::Vector3d& trial_strain, const MaterialPoint& point,
                                   const HenckyElasticity& elasticity, double* next_state) const
   {
-    if (softening.active())
-      return respond_softening<with_tangent>(*this, trial_strain, point, elasticity, next_state);
-    return MohrPlanes{sin_phi, cos_phi, sin_psi, effective_cohesion(cohesion, point.young)}.respond<with_tangent>(
-        trial_strain, elasticity);
+    return is_fixed() ? planes(point.young).respond<with_tangent>(trial_strain, elasticity)
+                      : respond_softening<with_tangent>(*this, trial_strain, point, elasticity, next_state);
   }
 };
 } // namespace kedge
