@@ -10,7 +10,10 @@ ExplicitMotion::ExplicitMotion(const RigidSystems& committed, const bool begins_
   moving.first_point = committed.first_point;
   moving.joints = committed.joints;
   for (const RigidPoint& point : moving.points)
+  {
     start.push_back(point.pose);
+    start_momentum.push_back(momentum(point));
+  }
 }
 
 void ExplicitMotion::kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, const double time)
@@ -49,6 +52,14 @@ std::vector<Vector6> ExplicitMotion::increments() const
   std::vector<Vector6> result;
   for (std::size_t i = 0; i < start.size(); ++i)
     result.push_back(increment_between(start[i], moving.points[i].pose));
+  return result;
+}
+
+std::vector<Vector6> ExplicitMotion::momentum_rates() const
+{
+  std::vector<Vector6> result;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    result.push_back((momentum(moving.points[i]) - start_momentum[i]) / passed);
   return result;
 }
 

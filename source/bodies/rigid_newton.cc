@@ -9,10 +9,13 @@ namespace kedge
 {
 namespace
 {
-/// Bound on each residual at convergence. The factor 8 stands for the few operations that each term goes through.
+/// Bound on each residual at convergence.
 Eigen::VectorXd allowed_residual(const RigidBalance& balance, const double tolerance)
 {
-  return tolerance * balance.magnitude + 8. * balance.round_off;
+  Eigen::VectorXd allowed = tolerance * balance.magnitude;
+  for (Eigen::Index i = 0; i < allowed.size(); ++i)
+    allowed[i] += balance.likely_round_off(i);
+  return allowed;
 }
 
 bool is_within(const Eigen::VectorXd& residual, const Eigen::VectorXd& allowed)

@@ -80,27 +80,46 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const W
   return box;
 }
 
+namespace
+{
+void include(std::array<Eigen::Vector3d, 2>& box, const std::array<Eigen::Vector3d, 2>& other)
+{
+  box[0] = box[0].cwiseMin(other[0]);
+  box[1] = box[1].cwiseMax(other[1]);
+}
+
+/// 0 where the box is empty.
+double diagonal_of(const std::array<Eigen::Vector3d, 2>& box, const unsigned int dim)
+{
+  Eigen::Vector3d diagonal = box[1] - box[0];
+  if (dim == 2)
+    diagonal[1] = 0.;
+  return box[0][0] <= box[1][0] ? diagonal.norm() : 0.;
+}
+} // namespace
+
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
 {
   std::array<Eigen::Vector3d, 2> box = nothing;
   for (const WeldedSurface& welded : systems.surfaces)
-  {
-    const auto its = world_bounds(systems, welded);
-    box[0] = box[0].cwiseMin(its[0]);
-    box[1] = box[1].cwiseMax(its[1]);
-  }
+    include(box, world_bounds(systems, welded));
   return box;
 }
 
 double extent_of_surfaces(const RigidSystems& systems, const unsigned int dim)
 {
-  if (systems.surfaces.empty())
-    return 0.;
-  const auto box = world_bounds(systems);
-  Eigen::Vector3d diagonal = box[1] - box[0];
-  if (dim == 2)
-    diagonal[1] = 0.;
-  return diagonal.norm();
+  return diagonal_of(world_bounds(systems), dim);
+}
+
+std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned int dim)
+{
+  std::vector<std::array<Eigen::Vector3d, 2>> boxes(systems.points.size(), nothing);
+  for (const WeldedSurface& welded : systems.surfaces)
+    include(boxes[welded.point], world_bounds(systems, welded));
+  std::vector<double> levers;
+  for (const auto& box : boxes)
+    levers.push_back(0.5 * diagonal_of(box, dim));
+  return levers;
 }
 
 double largest_prescribed_motion(const RigidSystems& systems)

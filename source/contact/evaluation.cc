@@ -82,6 +82,23 @@ template <int dim> BodyLoads Contact<dim>::loads() const
   return result;
 }
 
+template <int dim> void Contact<dim>::add_sizes(const View<double*>& sizes) const
+{
+  add_contact_sizes(dim, arrays_of_last_evaluation(), motions, sizes);
+}
+
+template <int dim> double Contact<dim>::unbalanced_share(const View<double*>& share) const
+{
+  auto sums = contact_balance(dim, arrays_of_last_evaluation(), motions, share, n_rigid_points);
+  if (!sums.empty())
+    MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2 * sums.size(), MPI_DOUBLE, MPI_SUM, communicator);
+  double largest = 0.;
+  for (const auto& [size, unbalanced] : sums)
+    if (unbalanced > 0.)
+      largest = std::max(largest, unbalanced / size);
+  return largest;
+}
+
 template <int dim> BodyTangents Contact<dim>::load_tangents() const
 {
   BodyTangents result = contact_load_tangents(arrays_of_last_evaluation(), motions, n_rigid_points);

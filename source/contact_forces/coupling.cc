@@ -1,5 +1,6 @@
 // What the contact forces of the last evaluation exert on the bodies, and its derivatives.
 #include <Eigen/Geometry>
+#include <cmath>
 #include <kedge/contact_forces/evaluation.h>
 
 namespace kedge
@@ -92,6 +93,39 @@ struct AddLoadTangent
   }
 };
 
+/// The sizes of the forces, at the nodes.
+struct AddSizes
+{
+  PointForces points;
+  unsigned int dim;
+  View<double*> sizes;
+
+  KEDGE_FUNCTION void operator()(const ContactPair& pair, const SurfaceMotion&) const
+  {
+    const double size = std::sqrt(pair.force.squaredNorm());
+    for (unsigned int v = points.begin(pair.point); v < points.begin(pair.point + 1); ++v)
+      add_to(sizes(static_cast<std::size_t>(dim) * points.nodes(v)), points.weights(v) * size);
+  }
+};
+
+/// The size of the force, and the part of it that its nodes leave unbalanced.
+struct AddUnbalanced
+{
+  PointForces points;
+  unsigned int dim;
+  View<double*> share, sums;
+
+  KEDGE_FUNCTION void operator()(const ContactPair& pair, const SurfaceMotion& surface) const
+  {
+    double mean = 0.;
+    for (unsigned int v = points.begin(pair.point); v < points.begin(pair.point + 1); ++v)
+      mean += points.weights(v) * share(static_cast<std::size_t>(dim) * points.nodes(v));
+    const double size = std::sqrt(pair.force.squaredNorm());
+    add_to(sums(2 * surface.rigid_point), size);
+    add_to(sums(2 * surface.rigid_point + 1), size * mean);
+  }
+};
+
 template <int dim> struct AddCoupling
 {
   PointForces points;
@@ -138,6 +172,25 @@ BodyTangents contact_load_tangents(const ContactArrays& contact, const SurfaceMo
   for (std::size_t i = 0; i < n_points; ++i)
     tangents.push_back(Eigen::Map<const Eigen::Matrix<double, 6, 6>>(host.data() + 36 * i));
   return tangents;
+}
+
+void add_contact_sizes(const unsigned int dim, const ContactArrays& contact, const SurfaceMotions& surfaces,
+                       const View<double*>& sizes)
+{
+  for_acting_pairs("sizes of contact forces", contact, surfaces, AddSizes{contact.points, dim, sizes});
+}
+
+std::vector<std::array<double, 2>> contact_balance(const unsigned int dim, const ContactArrays& contact,
+                                                   const SurfaceMotions& surfaces, const View<double*>& share,
+                                                   const std::size_t n_points)
+{
+  const View<double*> sums("contact balance", 2 * n_points);
+  for_acting_pairs("contact balance", contact, surfaces, AddUnbalanced{contact.points, dim, share, sums});
+  const auto host = copy_to_host(sums);
+  std::vector<std::array<double, 2>> result;
+  for (std::size_t i = 0; i < n_points; ++i)
+    result.push_back({host(2 * i), host(2 * i + 1)});
+  return result;
 }
 
 void add_contact_coupling(const unsigned int dim, const ContactArrays& contact, const SurfaceMotions& surfaces,

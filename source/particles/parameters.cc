@@ -28,7 +28,8 @@ Section<P> material_size_section()
 
 Section<P> initial_stress_section()
 {
-  Section<P> section("Stress before the first stage: sigma_v = weight above, sigma_h = K0 sigma_v");
+  Section<P> section("Stress before the first stage: sigma_v = weight above, of tilted gravity its part across the "
+                     "surface; sigma_h = K0 sigma_v");
   section.required(
       "type", [](P&, const std::string&) {}, word({"K0"}), "Way in which the stress is set");
   section.required("K0", &P::K0, maybe(number("-", not_negative())), "Horizontal over vertical stress");

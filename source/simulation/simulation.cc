@@ -47,7 +47,7 @@ template <int dim> void Simulation<dim>::generate()
   agree(MPI_COMM_WORLD, [&] { checkpoints.remove_files(); });
   copy_input();
   const auto scope = log.timings().measure("generation");
-  soil.generate(Eigen::Map<const Eigen::Vector3d>(input.gravity.data()).norm());
+  soil.generate(std::abs(input.gravity[dim - 1]));
 }
 
 /// Errors end here while the run still stands: where one rank fails alone, nothing may be destroyed together any more.

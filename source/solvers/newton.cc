@@ -9,13 +9,14 @@ namespace
 constexpr double loosest = 0.1, tightest = 1e-8; // of the linear tolerance
 constexpr double armijo = 1e-4;
 constexpr unsigned int max_trials = 8;
-constexpr unsigned int max_halvings = 3; // to break a cycle; less than an eighth of a step gains nothing
-constexpr double slack = 0.7;            // share of the work along a step that may remain
-constexpr double growth_limit = 10.;     // of the residual in a step that is accepted for its work
-constexpr unsigned int patience = 3;     // iterations without progress that count as a cycle
-constexpr unsigned int stagnation = 24;  // least number of iterations without progress before the load step is cut
-constexpr double progress = 0.9;         // an iteration makes progress if it lowers the lowest residual by this factor
-constexpr double hopeless = 1e8;         // growth of the residual since the start after which iterating is useless
+constexpr unsigned int max_halvings = 3;    // to break a cycle; less than an eighth of a step gains nothing
+constexpr double slack = 0.7;               // share of the work along a step that may remain
+constexpr double growth_limit = 10.;        // of the residual in a step that is accepted for its work
+constexpr unsigned int patience = 3;        // iterations without progress that count as a cycle
+constexpr unsigned int stagnation = 24;     // least number of iterations without progress before the load step is cut
+constexpr unsigned int max_refinements = 6; // of a residual below the target that does not suffice
+constexpr double progress = 0.9; // an iteration makes progress if it lowers the lowest residual by this factor
+constexpr double hopeless = 1e8; // growth of the residual since the start after which iterating is useless
 
 /// Limits and factors of the damping. It is raised after a failed full step and lowered after full steps, faster if
 /// most of the work remains. A damped direction that allows only steps below `least_damped_step` is given up.
@@ -159,12 +160,38 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
   report.residuals.push_back(measure);
   double linear_tolerance = loosest, damping = history.overshoots > many_overshoots ? most_damping : 0.,
          lowest = measure;
-  unsigned int without_progress = 0;
-  while (!(measure < target))
+  unsigned int without_progress = 0, refinements = 0;
+  std::optional<TpetraVector> solution; // below the target, while it is refined
+  const auto needs_more = [&]
   {
-    report.failure = reason_to_give_up(report, measure, without_progress, parameters);
-    if (!report.failure.empty())
-      return report;
+    const bool is_start = report.residuals.size() == 1;
+    return (is_start && !(measure < problem.solved_at_start)) || (problem.suffices && !problem.suffices(residual));
+  };
+  // A solution stays one, whatever becomes of its refinement.
+  const auto give_up = [&](const std::string& reason)
+  {
+    report.converged = solution.has_value();
+    if (!solution)
+      report.failure = reason;
+    else
+    {
+      Tpetra::deep_copy(x, *solution);
+      report.residuals.push_back(problem.residual(x, residual));
+    }
+    return report;
+  };
+  for (;;)
+  {
+    if (measure < target)
+    {
+      if (refinements == max_refinements || !needs_more())
+        break;
+      solution.emplace(x, Teuchos::Copy);
+    }
+    if (solution && refinements++ == max_refinements)
+      return give_up("");
+    if (const std::string reason = reason_to_give_up(report, measure, without_progress, parameters); !reason.empty())
+      return give_up(reason);
 
     // The direction. A system that is too soft for the linear solver is damped and solved again.
     linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, target);
@@ -178,11 +205,8 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
       continue;
     }
     if (!linear.converged)
-    {
-      report.failure = "the linear system could not be solved" +
-                       (linear.trouble.empty() ? "" : ", for there was no multigrid hierarchy: " + linear.trouble);
-      return report;
-    }
+      return give_up("the linear system could not be solved" +
+                     (linear.trouble.empty() ? "" : ", for there was no multigrid hierarchy: " + linear.trouble));
 
     // The step: a full one, or the result of the search that fits the situation.
     const double work = dx.dot(residual);
@@ -196,11 +220,12 @@ NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const S
     // Shortened steps come a few at a time; many in a row crawl from kink to kink.
     const bool shortens = without_progress / patience % 2 == 1;
     SearchPoint step = at(1.);
-    if (parameters.line_search && !(step.measure <= (1. - armijo) * measure))
+    const bool is_fine = solution && step.measure < target; // near round-off a measure need not fall
+    if (parameters.line_search && !is_fine && !(step.measure <= (1. - armijo) * measure))
       step = shortens    ? shorten_step(at, step, measure)
              : work > 0. ? search_line(at, step, {0., measure, work})
                          : halve_step(at, step, highest);
-    if (report.iterations == 1)
+    if (report.iterations == 1 && !solution)
       report.history.overshoots = overshoots_after(history.overshoots, damping, step.step);
     damping = adapt_damping(damping, {0., measure, work}, step);
     // The last point at which the search evaluated the residual is the one that it returns.

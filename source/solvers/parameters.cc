@@ -13,12 +13,14 @@ Section<SolverParameters> solver_section()
       "force tolerance", &P::force_tolerance, number("-", positive().below(1.)),
       "A step has converged when the share of the forces at a node that nothing balances, in the root mean "
       "square over all nodes, falls below this, and at no node exceeds fifty times this (free bodies: their "
-      "unbalanced force over their weight and the load of the soil)");
+      "unbalanced force over their own weight, load and inertia), and little is unbalanced compared with the load on "
+      "each body: ten times this at the nodes that it loads, forty times this at all nodes");
   section.optional(
       "tolerance", [](P& parameters, const double value) { parameters.tolerance = value; },
       number("-", positive().below(1.)),
-      "In place of \"force tolerance\", which then counts for nothing: a step has converged when the norm of the "
-      "residual on the free degrees of freedom falls below this times the norm of the nodal weights and body forces of "
+      "In place of \"force tolerance\", which then counts for the loads on bodies alone: a step has converged when the "
+      "norm of the residual on the free degrees of freedom falls below this times the norm of the nodal weights and "
+      "body forces of "
       "the soil (rigid degrees of freedom: the weight of all bodies). Large cells far away make this norm, so small "
       "cells need a small value");
   section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),

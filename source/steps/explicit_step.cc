@@ -15,8 +15,9 @@ namespace
 /// Beyond this the basis of the step's start no longer describes where a material point is.
 constexpr double most_cells_per_step = 0.75;
 
-/// Share of the velocities that no node sees which a basis step takes away.
-constexpr double noise_taken = 0.1;
+/// Share of the velocities that no node sees which a time step takes away, and at most a basis step: so the basis step
+/// does not decide how fast they fade where it is short.
+constexpr double noise_taken = 1e-3, most_noise_taken = 0.1;
 
 /// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
 /// point enters a cell. Boxes need none, there values and gradients fade away together.
@@ -62,6 +63,20 @@ void divide(const NodalVector& nodal, const double factor, const NodalVector& in
       KOKKOS_LAMBDA(const std::size_t i) { nodal(i) = factor * nodal(i) / inertia(i); });
 }
 
+/// nodal = nodal / mass, the mass being that of nodes; 0 where there is none, and at dofs of infinite inertia if that
+/// is given.
+template <int dim> void find_means(const NodalVector& nodal, const View<double*>& mass, const NodalVector& inertia = {})
+{
+  Kokkos::parallel_for(
+      "means", Policy(0, mass.extent(0)), KOKKOS_LAMBDA(const std::size_t v) {
+        for (int d = 0; d < dim; ++d)
+        {
+          const bool held = inertia.extent(0) > 0 && std::isinf(inertia(dim * v + d));
+          nodal(dim * v + d) = mass(v) > 0. && !held ? nodal(dim * v + d) / mass(v) : 0.;
+        }
+      });
+}
+
 /// Lets forces act on velocities for a time. Local damping opposes every velocity by a share of the force on it
 /// (Cundall 1987).
 void kick_nodes(const NodalVector& velocity, const NodalVector& force, const NodalVector& inertia, const double time,
@@ -71,16 +86,6 @@ void kick_nodes(const NodalVector& velocity, const NodalVector& force, const Nod
       "kick", Policy(0, force.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
         const double opposed = velocity(i) == 0. ? 0. : std::copysign(damping * std::fabs(force(i)), velocity(i));
         velocity(i) += time / inertia(i) * (force(i) - opposed);
-      });
-}
-
-/// to = what - to, in the first dim components.
-template <int dim> void take_from(const ParticleVectors& what, const ParticleVectors& to)
-{
-  Kokkos::parallel_for(
-      "unseen velocity", Policy(0, to.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
-        for (int d = 0; d < dim; ++d)
-          to(p, d) = what(p, d) - to(p, d);
       });
 }
 } // namespace
@@ -156,7 +161,7 @@ template <int dim> Eigen::Vector3d ExplicitStep<dim>::gravity() const
   return load.gravity_factor * to_world_axes(context.gravity, dim);
 }
 
-/// Without a dt: reactions are those of dofs that need no inertia.
+/// Without a dt, for the inertia of a step is the mean of many small ones.
 template <int dim> RigidStep ExplicitStep<dim>::rigid_step() const
 {
   RigidStep step;
@@ -171,7 +176,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   load = load_;
   const SteppingParameters& stepping = context.stage.stepping;
   const double longest = stepping.dt > 0. ? std::min(stepping.dt, critical_dt) : stepping.cfl * critical_dt;
-  const unsigned int n_time_steps = std::max(1., std::ceil(duration() / longest * (1. - 1e-9)));
+  n_time_steps = std::max(1., std::ceil(duration() / longest * (1. - 1e-9)));
   begin();
 
   NewtonReport report;
@@ -284,15 +289,52 @@ template <int dim> double ExplicitStep<dim>::largest_distance_in_cells() const
   return max_over_ranks(largest, basis.nodes.communicator);
 }
 
-/// What of the particles' velocities at the start no node sees: (1 - S P)^2 v with P the projection to the nodes. The
-/// square leaves smooth motion alone, of which the lumped mass takes a little at every projection.
+/// At the start of the step.
+template <int dim> NodalPlaces ExplicitStep<dim>::find_places() const
+{
+  const ParticleSet<dim>& particles = context.soil.particles();
+  NodalPlaces places{exchange.make_nodal_vector(), exchange.make_nodal_vector(),
+                     View<double*>("mass", basis.nodes.n_local()), inertia,
+                     ParticleVectors("position", basis.stencils.n_particles)};
+  const auto position = make_mirror(places.particles);
+  for (std::size_t p = 0; p < position.extent(0); ++p)
+    for (unsigned int d = 0; d < dim; ++d)
+      position(p, d) = particles.positions()[p][d];
+  Kokkos::deep_copy(places.particles, position);
+  const auto node = make_mirror(places.node);
+  for (std::size_t v = 0; v < basis.nodes.mesh_node.size(); ++v)
+    for (unsigned int d = 0; d < dim; ++d)
+      node(dim * v + d) = context.soil.mesh().leaves().node_position[basis.nodes.mesh_node[v]][d];
+  Kokkos::deep_copy(places.node, node);
+  // plain sums: the mass of the dynamics may be scaled, and has a least share where the basis is linear
+  add_lumped_mass(particles.arrays(), basis.stencils, 0., places.mass);
+  node_exchange.sum_over_ranks(places.mass);
+  add_particle_momentum(particles.arrays(), basis.stencils, places.particles, places.centre);
+  exchange.sum_over_ranks(places.centre);
+  find_means<dim>(places.centre, places.mass);
+  return places;
+}
+
+/// What of the particles' velocities v at the start no node sees: Q* Q v with Q = 1 - R P, where P projects to the
+/// nodes and R back (unseen_velocity.h), and Q* is its transpose for the mass of the particles. Q leaves nothing of
+/// motion that is linear in space, so where nothing is held, taking a share of this away keeps momentum and spin; and
+/// it only ever takes energy.
 template <int dim>
 View<double* [3]> ExplicitStep<dim>::unseen_velocity() const {
-  const ParticleVectors once = interpolate_to_particles(basis.stencils, start_velocity);
-  take_from<dim>(context.soil.particles().arrays().velocity, once);
-  const ParticleVectors twice = interpolate_to_particles(basis.stencils, project(once));
-  take_from<dim>(once, twice);
-  return twice;
+  const ParticleArrays& particles = context.soil.particles().arrays();
+  const NodalPlaces places = find_places();
+  const ParticleVectors unseen("unseen velocity", basis.stencils.n_particles);
+  Kokkos::deep_copy(unseen, particles.velocity);
+  const NodalVector mean = exchange.make_nodal_vector(), seen = exchange.make_nodal_vector();
+  add_particle_momentum(particles, basis.stencils, unseen, mean);
+  exchange.sum_over_ranks(mean);
+  find_means<dim>(mean, places.mass, inertia);
+  take_seen_part<dim>(basis.stencils, places, mean, unseen);
+  add_seen_part<dim>(particles, basis.stencils, places, unseen, seen);
+  exchange.sum_over_ranks(seen);
+  find_means<dim>(seen, places.mass, inertia);
+  KokkosBlas::axpy(-1., interpolate_to_particles(basis.stencils, seen), unseen);
+  return unseen;
 }
 
 template <int dim>
@@ -306,10 +348,11 @@ SoilIncrements ExplicitStep<dim>::soil_increments() const
   const ParticleVectors gained = interpolate_to_particles(basis.stencils, change), unseen = unseen_velocity();
   const ParticleVectors acceleration("acceleration", basis.stencils.n_particles); // the mean of the step
   KokkosBlas::axpby(1. / duration(), gained, 0., acceleration);
+  const double taken = std::min(most_noise_taken, noise_taken * n_time_steps);
   Kokkos::parallel_for(
       "damp noise", Policy(0, gained.extent(0)), KOKKOS_LAMBDA(const std::size_t p) {
         for (int d = 0; d < dim; ++d)
-          gained(p, d) -= noise_taken * unseen(p, d);
+          gained(p, d) -= taken * unseen(p, d);
       });
   increments.motion = {gained, acceleration};
   return {increments, {}};
@@ -320,6 +363,12 @@ template <int dim> std::vector<Vector6> ExplicitStep<dim>::reactions() const
   BodyLoads mean = impulse;
   for (Vector6& body_load : mean)
     body_load /= duration();
+  if (motion)
+  {
+    const std::vector<Vector6> rates = motion->momentum_rates();
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      mean[i] -= rates[i];
+  }
   return find_reactions(context, rigid_step(), body_increments, mean);
 }
 

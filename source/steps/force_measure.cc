@@ -31,6 +31,20 @@ View<double*> shares(const unsigned int dim, const TpetraVector& residual, const
 }
 } // namespace
 
+void find_shares(const unsigned int dim, const TpetraVector& residual, TpetraVector& sizes)
+{
+  const auto r = read(residual);
+  const auto s = Kokkos::subview(sizes.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
+  Kokkos::parallel_for(
+      "shares of forces", Kokkos::RangePolicy<ExecutionSpace>(0, s.extent(0) / dim),
+      KOKKOS_LAMBDA(const std::size_t v) {
+        double square = 0.;
+        for (unsigned int d = 0; d < dim; ++d)
+          square += r(dim * v + d) * r(dim * v + d);
+        s(dim * v) = s(dim * v) > 0. ? std::sqrt(square) / s(dim * v) : 0.;
+      });
+}
+
 ForceMeasure::ForceMeasure(const unsigned int dim_, const MPI_Comm communicator_, const std::vector<double>& cell_sizes)
     : dim(dim_),
       communicator(communicator_),

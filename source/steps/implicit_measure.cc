@@ -14,6 +14,10 @@ namespace
 constexpr double next_to_no_stress = 0.005;
 /// How far a body is looked for, in cells.
 constexpr double reach_in_cells = 3.;
+/// Tolerances of the load on a body that may be unbalanced at the nodes that it loads.
+constexpr double at_a_body = 10.;
+/// Tolerances of the loads on all bodies that may be unbalanced at all nodes, as roots of sums of squares.
+constexpr double everywhere = 40.;
 } // namespace
 
 /// The present forces become what residuals are compared with.
@@ -32,14 +36,19 @@ template <int dim> void ImplicitStep<dim>::renew_force_measure()
   TpetraVector owned(system().graph().row_map);
   system().collect(sizes, owned);
   force_measure.renew(owned);
-  body_scale = body_weight;
-  if (!rigid_unknowns->empty())
-  {
-    double largest = 0.;
-    for (const Vector6& body_load : body_loads())
-      largest = std::max(largest, body_load.head<3>().norm());
-    body_scale += largest;
-  }
+  if (balance.magnitude.size() > 0) // else there is no free dof, or no evaluation yet
+    body_scale = rigid_unknowns->scale(balance, forces_on_bodies(), body_levers);
+}
+
+/// Weight and load of each rigid point, N.
+template <int dim> std::vector<double> ImplicitStep<dim>::forces_on_bodies() const
+{
+  const BodyLoads loads = body_loads();
+  const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
+  std::vector<double> forces;
+  for (std::size_t i = 0; i < context.bodies.points.size(); ++i)
+    forces.push_back(context.bodies.points[i].mass * g + (loads.empty() ? 0. : loads[i].head<3>().norm()));
+  return forces;
 }
 
 /// Of a residual that was evaluated last.
@@ -50,8 +59,28 @@ template <int dim> double ImplicitStep<dim>::measure(const TpetraVector& r) cons
   const double soil = by_weight ? nodal->norm2() / weight_norm : force_measure.of(*nodal);
   if (rigid_unknowns->empty())
     return soil;
-  const double bodies = rigid_unknowns->measure(balance.residual, by_weight ? body_weight : body_scale, body_lever);
-  return std::max(soil, bodies);
+  const double bodies = rigid_unknowns->measure(balance, body_scale);
+  return std::isfinite(bodies) ? std::max(soil, bodies) : bodies;
+}
+
+/// Whether little is unbalanced compared with the loads on the bodies. The forces at all nodes are no measure for that
+/// where they are large, as deep down: soil under a footing that has not moved yet would pass.
+template <int dim> bool ImplicitStep<dim>::carries_bodies(const TpetraVector& r) const
+{
+  if (!context.stage.rigid_bodies)
+    return true;
+  const NodalVector sizes = system().make_nodal_vector();
+  context.soil.contact().add_sizes(sizes);
+  TpetraVector share(system().graph().row_map);
+  system().collect(sizes, share);
+  const auto nodal = rigid_unknowns->nodal(r);
+  const double loads = share.norm2(), unbalanced = nodal->norm2();
+  if (!(loads > 0.))
+    return true;
+  find_shares(dim, *nodal, share);
+  const double tolerance = context.solver.force_tolerance;
+  return unbalanced < everywhere * tolerance * loads &&
+         context.soil.contact().unbalanced_share(system().spread(share)) < at_a_body * tolerance;
 }
 
 template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
@@ -65,9 +94,8 @@ template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
   if (!(worst.share >= 0.))
     return place;
   place.share = worst.share;
-  place.bodies_dominate =
-      !rigid_unknowns->empty() &&
-      rigid_unknowns->measure(balance.residual, body_scale, body_lever) > force_measure.of(*rigid_unknowns->nodal(r));
+  place.bodies_dominate = !rigid_unknowns->empty() &&
+                          rigid_unknowns->measure(balance, body_scale) > force_measure.of(*rigid_unknowns->nodal(r));
 
   // Where the node is.
   std::array<double, dim + 1> known{};
@@ -125,6 +153,8 @@ template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void ImplicitStep<dim>::renew_force_measure();                                                              \
+  template std::vector<double> ImplicitStep<dim>::forces_on_bodies() const;                                            \
+  template bool ImplicitStep<dim>::carries_bodies(const TpetraVector&) const;                                          \
   template double ImplicitStep<dim>::measure(const TpetraVector&) const;                                               \
   template ResidualPlace ImplicitStep<dim>::find_residual();
 KEDGE_INSTANTIATE(2)

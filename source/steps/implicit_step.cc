@@ -18,6 +18,13 @@ constexpr unsigned int max_augmentations = 20;
 /// of that measure from step to step. Where bodies move on, guesses leave 7e-2 to 3e-4 of it.
 constexpr double much_better = 0.1, kept_of_rest = 0.8;
 
+/// Measure below which a dynamic step does without any correction. What it leaves unbalanced is lost to the steps after
+/// it: a small force that each of them may neglect would never move anything. So only round-off may be left.
+constexpr double at_rest_in_motion = 1e-10;
+
+/// Of the momentum over the time step: what counts as a force where no other acts, as in soil that drifts.
+constexpr double far_above_round_off = 1e-10;
+
 /// One solution after another of the same step.
 void append(NewtonReport& report, const NewtonReport& next)
 {
@@ -83,10 +90,16 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   force_measure = ForceMeasure(dim, basis.nodes.communicator, find_node_places().spacing);
 
   const SteppingParameters& stepping = context.stage.stepping;
-  if (stepping.type == StageType::dynamic)
-    equations->set_motion(project_motion(
-        context.soil.particles().arrays(), basis.stencils, basis.ghost_faces, stepping.lumped_mass,
-        Newmark{stepping.beta, stepping.gamma}.needs_start_acceleration(), equations->mass_graph(), system()));
+  if (stepping.type != StageType::dynamic)
+    return;
+  const ParticleArrays& particles = context.soil.particles().arrays();
+  equations->set_motion(project_motion(particles, basis.stencils, basis.ghost_faces, stepping.lumped_mass,
+                                       Newmark{stepping.beta, stepping.gamma}.needs_start_acceleration(),
+                                       equations->mass_graph(), system()));
+  const NodalVector drift = system().make_nodal_vector();
+  add_particle_momentum(particles, basis.stencils, particles.velocity, drift);
+  KokkosBlas::scal(drift, far_above_round_off / stepping.dt, drift);
+  add_force_sizes(dim, drift, given_sizes);
 }
 
 template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
@@ -113,6 +126,8 @@ template <int dim> void ImplicitStep<dim>::weigh_bodies()
     body_weight += point.mass * g;
   if (!context.bodies.surfaces.empty())
     body_lever = 0.5 * extent_of_surfaces(context.bodies, dim);
+  body_levers = levers_of_points(context.bodies, dim);
+  body_scale = rigid_unknowns->scale(body_weight, body_lever);
 }
 
 template <int dim> RigidStep ImplicitStep<dim>::rigid_step() const
@@ -151,6 +166,9 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
     };
   problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
   { return solve_linearised(x, r, dx, how); };
+  problem.suffices = [this](const TpetraVector& r) { return carries_bodies(r); };
+  if (load.newmark.is_dynamic())
+    problem.solved_at_start = at_rest_in_motion;
   context.soil.contact().reset_multipliers();
   keep_unbalanced();
   const Start start = choose_start(problem);
@@ -166,6 +184,7 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
       break;
     }
     context.soil.contact().augment(factor);
+    problem.solved_at_start = INFINITY;
     append(report, solve_newton(problem, *increment, context.solver));
     const double before = excess;
     excess = context.soil.contact().excess();

@@ -106,14 +106,33 @@ void RigidUnknowns::hold(Border& border, const double stiffness, const double le
     border.corner(i, i) += dofs[i].dof < 3 ? stiffness : stiffness * lever * lever;
 }
 
-double RigidUnknowns::measure(const Eigen::VectorXd& residual, const double weight, const double lever) const
+Eigen::VectorXd RigidUnknowns::scale(const double weight, const double lever) const
+{
+  Eigen::VectorXd result(dofs.size());
+  for (std::size_t i = 0; i < dofs.size(); ++i)
+    result[i] = dofs[i].dof < 3 ? weight : weight * lever;
+  return result;
+}
+
+Eigen::VectorXd RigidUnknowns::scale(const RigidBalance& balance, const std::vector<double>& forces,
+                                     const std::vector<double>& levers) const
+{
+  Eigen::VectorXd result = balance.magnitude;
+  for (std::size_t i = 0; i < dofs.size(); ++i)
+    if (dofs[i].dof >= 3)
+      result[i] += forces[dofs[i].point] * levers[dofs[i].point];
+  return result;
+}
+
+double RigidUnknowns::measure(const RigidBalance& balance, const Eigen::VectorXd& scale) const
 {
   double sum = 0.;
   for (std::size_t i = 0; i < dofs.size(); ++i)
-  {
-    const double share = residual[i] / (dofs[i].dof < 3 ? weight : weight * lever);
-    sum += share * share;
-  }
+    if (const double left = std::abs(balance.residual[i]) - balance.likely_round_off(i); !(left <= 0.))
+    {
+      const double share = left / scale[i];
+      sum += share * share;
+    }
   return std::sqrt(sum);
 }
 } // namespace kedge

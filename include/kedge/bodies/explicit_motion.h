@@ -27,12 +27,16 @@ public:
   /// Motion of every point since the start of the step.
   std::vector<Vector6> increments() const;
 
+  /// Mean rate of the momentum of every point since the start of the step, N and N m, world axes.
+  std::vector<Vector6> momentum_rates() const;
+
   /// Copies position and motion to `committed`, from which the step started. `fraction` is that of the whole step, over
   /// which the acceleration that it reports is the mean.
   void commit(RigidSystems& committed, double fraction) const;
 
 private:
   std::vector<Pose> start;
+  std::vector<Vector6> start_momentum;
   RigidSystems moving; ///< points and joints alone
   double passed = 0.;  ///< s
   bool knows_accelerations;

@@ -26,6 +26,9 @@ struct RigidBalance
   Eigen::MatrixXd tangent;  ///< d residual / d increments of the free dofs
   /// For each free dof: magnitude of the terms that cancel in the residual, and the part that may be round-off.
   Eigen::VectorXd magnitude, round_off;
+
+  /// What of a residual is likely round-off. The factor 8 stands for the few operations that each term goes through.
+  double likely_round_off(const Eigen::Index free_dof) const { return 8. * round_off[free_dof]; }
 };
 
 /// Computes the balance. Empty `loads` stand for zero. The tangent takes loads as constant in world axes: if they

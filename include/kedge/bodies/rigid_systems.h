@@ -51,6 +51,9 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const W
 /// plane does not count.
 double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
 
+/// Half of the same for the surfaces of each point, m; 0 for points without one.
+std::vector<double> levers_of_points(const RigidSystems& systems, unsigned int dim);
+
 /// Farthest that any point of a surface goes in a requested step by what its rigid point is prescribed, m.
 double largest_prescribed_motion(const RigidSystems& systems);
 

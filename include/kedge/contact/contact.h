@@ -101,6 +101,11 @@ public:
 
   /// What the soil exerts on the bodies in the last evaluation, summed over all ranks. Collective.
   BodyLoads loads() const;
+  /// Adds the sizes of the contact forces in the last evaluation (N) to entry dim * v of `sizes`. Local.
+  void add_sizes(const View<double*>& sizes) const;
+  /// Largest part of the contact forces on any rigid point that the soil leaves unbalanced, in the last evaluation.
+  /// Entry dim * v of `share`: unbalanced force at a node over the sizes of the contact forces there. Collective.
+  double unbalanced_share(const View<double*>& share) const;
   /// Their derivatives by the motion of each rigid point itself, summed over all ranks. Collective.
   BodyTangents load_tangents() const;
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.

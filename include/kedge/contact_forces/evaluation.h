@@ -51,6 +51,16 @@ BodyLoads contact_loads(const ContactArrays& contact, const SurfaceMotions& surf
 /// Derivatives of these loads by velocity and spin of the rigid point itself, on this rank.
 BodyTangents contact_load_tangents(const ContactArrays& contact, const SurfaceMotions& surfaces, std::size_t n_points);
 
+/// Adds the sizes of the contact forces on this rank (N) to entry dim * v of `sizes`.
+void add_contact_sizes(unsigned int dim, const ContactArrays& contact, const SurfaceMotions& surfaces,
+                       const View<double*>& sizes);
+
+/// Of every rigid point, on this rank: the sum of the sizes of its contact forces and of their unbalanced parts, N.
+/// Entry dim * v of `share` is the unbalanced force at a node over the sizes of the contact forces there.
+std::vector<std::array<double, 2>> contact_balance(unsigned int dim, const ContactArrays& contact,
+                                                   const SurfaceMotions& surfaces, const View<double*>& share,
+                                                   std::size_t n_points);
+
 /// Adds to nodal vectors, for a rate `direction` (velocity and spin, world axes) of a rigid point: `factor` times the
 /// rate of the forces on the soil to `by_body`, and `factor` times the derivative, by the nodal displacements, of the
 /// load's power to `by_soil`.

@@ -1,6 +1,7 @@
 // Newton's method with line search. It works with callbacks, vectors and numbers, and knows nothing about soil.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <kedge/base/tpetra.h>
 #include <kedge/solvers/linear_solver.h>
@@ -37,6 +38,11 @@ struct NewtonProblem
   /// Compares residuals with the forces at the point of the last residual() from now on, and returns the measure of the
   /// residual there. Optional: without it the measure is the same throughout.
   std::function<double(const TpetraVector& residual)> renew_measure;
+  /// A start below the target is corrected once all the same, unless its measure is below this, too.
+  double solved_at_start = INFINITY;
+  /// Whether the residual of the last evaluation will do once its measure is below the target. If not, a few more
+  /// corrections follow; where they fail, the last iterate below the target is the solution. Optional.
+  std::function<bool(const TpetraVector& residual)> suffices;
   /// Solves J(x) dx = r, with the tolerance and the damping of `system`.
   std::function<LinearReport(const TpetraVector& x, const TpetraVector& residual, TpetraVector& dx,
                              const NewtonSystem& system)>

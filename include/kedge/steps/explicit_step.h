@@ -2,6 +2,7 @@
 #pragma once
 
 #include <kedge/assembly/explicit_force.h>
+#include <kedge/assembly/unseen_velocity.h>
 #include <kedge/bodies/explicit_motion.h>
 #include <kedge/steps/step_basis.h>
 #include <optional>
@@ -25,7 +26,7 @@ public:
   NewtonReport solve(const StepLoad& load) override;
 
   SoilIncrements soil_increments() const override;
-  /// Means over the step: their impulse over its duration.
+  /// Means over the step of inertia and loads; joints as at its end.
   std::vector<Vector6> reactions() const override;
   void move_bodies(RigidSystems& committed) const override;
 
@@ -42,6 +43,7 @@ private:
   Eigen::Vector3d gravity() const;
   void begin();
   NodalVector project(const View<double* [3]>& quantity) const;
+  NodalPlaces find_places() const;
   View<double* [3]> unseen_velocity() const;
   void find_body_force(double time);
   bool follow_forces(double time);
@@ -57,6 +59,7 @@ private:
   NodalVector weight;                    ///< of all ranks, under full gravity, N
   NodalVector body_force;                ///< of all ranks, at the last time step, N; empty without one
   double critical_dt = 0.;
+  unsigned int n_time_steps = 0; ///< of the last step
 
   StepLoad load;
   NodalVector start_velocity, velocity, increment, force; ///< m/s, m/s, m, N; all ranks' force

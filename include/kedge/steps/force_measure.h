@@ -15,6 +15,10 @@ struct WorstNode
   int rank = 0;
 };
 
+/// Divides the sizes of forces (N), entry dim * v of `sizes` on the owned dofs, into those of the residual: the share
+/// of the first that is the second. 0 where no force is.
+void find_shares(unsigned int dim, const TpetraVector& residual, TpetraVector& sizes);
+
 /// Share of the forces at a node that nothing balances: |r_a| / (s_a + floor h_a^(dim-1)), s_a the sum of the sizes of
 /// all forces on it and h_a its cell size. So a fine node counts as much as a coarse one, for s_a of a stress sigma is
 /// about sigma h_a^(dim-1). The floor is the root mean square of s_a / h_a^(dim-1) over all nodes: soil at a free

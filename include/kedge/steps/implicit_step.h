@@ -53,6 +53,8 @@ private:
   void keep_unbalanced();
   double residual(const TpetraVector& x, TpetraVector& r);
   void renew_force_measure();
+  std::vector<double> forces_on_bodies() const;
+  bool carries_bodies(const TpetraVector& r) const;
   double measure(const TpetraVector& r) const;
   void add_given_forces(const NodalVector& force) const;
   void set_up_equations();
@@ -76,7 +78,9 @@ private:
   Teuchos::RCP<TpetraVector> kept_unbalanced; ///< N: what a step need not balance of its start's residual; or null
   double weight_norm = 0.;                    ///< N: what residuals are measured by where the input asks for it
   ForceMeasure force_measure;
-  double body_weight = 0., body_scale = 0., body_lever = 1.; ///< N, N, m: of residuals of free bodies
+  double body_weight = 0., body_lever = 1.; ///< N, m: of all bodies
+  std::vector<double> body_levers;          ///< m: of each point
+  Eigen::VectorXd body_scale;               ///< N, N m: what residuals of the free dofs are compared with
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
   PointForces acting_points;            ///< of contact, at the last evaluation

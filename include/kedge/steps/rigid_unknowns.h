@@ -33,9 +33,14 @@ public:
   /// How the bodies move while each free dof grows.
   std::vector<RigidRate> rates(const std::vector<Vector6>& increments) const;
 
-  /// Norm of the residuals of the free dofs over the weight (N) of the bodies; moments count over their weight times
-  /// `lever` (m).
-  double measure(const Eigen::VectorXd& residual, double weight, double lever) const;
+  /// What the residual of each free dof is compared with: one weight (N) for all, for moments times `lever` (m).
+  Eigen::VectorXd scale(double weight, double lever) const;
+  /// The same by what acts on each dof: the sizes of the terms of its balance, for moments also the forces (N) on its
+  /// point times the lever (m) of that point. So a light body does not hang in the air because another one is heavy.
+  Eigen::VectorXd scale(const RigidBalance& balance, const std::vector<double>& forces,
+                        const std::vector<double>& levers) const;
+  /// Norm of the residuals over their scale. What may be round-off does not count.
+  double measure(const RigidBalance& balance, const Eigen::VectorXd& scale) const;
 
   /// How y couples with u and with itself at the present increments: derivatives of the residuals (internal forces less
   /// contact forces at the last evaluation; the bodies' balance). Collective.

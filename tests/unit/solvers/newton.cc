@@ -17,6 +17,8 @@ struct Scalar
   std::function<double(double)> f, derivative;
   double admissible_below = INFINITY;
   double least_solvable_damping = 0.;
+  double solved_at_start = INFINITY;
+  std::function<bool(const TpetraVector&)> suffices;
   NewtonHistory history;                    ///< of the problems so far
   std::vector<double> tolerances, dampings; ///< asked of the linear solver
 
@@ -36,6 +38,8 @@ struct Scalar
       r.putScalar(f(first(x)));
       return first(x) < admissible_below ? r.norm2() / std::sqrt(r.getGlobalLength()) : INFINITY;
     };
+    problem.solved_at_start = solved_at_start;
+    problem.suffices = suffices;
     problem.solve = [this](const TpetraVector& x, const TpetraVector& r, TpetraVector& dx, const NewtonSystem& how)
     {
       dx.putScalar(first(r) / (derivative(first(x)) + how.damping));
@@ -269,4 +273,73 @@ TEST(Newton, AsksForNoMoreThanTheTargetNeeds)
   const NewtonReport report = problem.solve_from(3., parameters);
   const double before_last = report.residuals[report.residuals.size() - 2];
   EXPECT_GE(problem.tolerances.back(), std::min(0.1, 0.1 * parameters.tolerance / before_last));
+}
+
+TEST(Newton, AStartBelowTheTargetIsCorrectedWhereThatIsAskedFor)
+{
+  Scalar near = cubic();
+  SolverParameters loose;
+  loose.tolerance = 1e-2;
+  EXPECT_EQ(near.solve_from(2.0001, loose).iterations, 0u);
+  near.solved_at_start = 1e-10;
+  double root = 0.;
+  const NewtonReport report = near.solve_from(2.0001, loose, &root);
+  EXPECT_TRUE(report.converged);
+  EXPECT_EQ(report.iterations, 1u);
+  EXPECT_NEAR(root, 2., 1e-8);
+  EXPECT_EQ(near.solve_from(2., loose).iterations, 0u);
+}
+
+TEST(Newton, AResidualThatDoesNotSufficeIsReducedFurther)
+{
+  SolverParameters loose;
+  loose.tolerance = 1.;
+  Scalar strict = cubic();
+  strict.suffices = [](const TpetraVector& r) { return r.normInf() < 1e-6; };
+  double root = 0.;
+  EXPECT_TRUE(strict.solve_from(2.5, loose, &root).converged);
+  EXPECT_NEAR(root, 2., 1e-7);
+  EXPECT_GT(std::abs(cubic().solve_from(2.5, loose).residuals.back()), 1e-3);
+}
+
+/// Where further corrections do not help, the target is enough.
+TEST(Newton, AResidualThatNeverSufficesIsTakenAfterAWhile)
+{
+  SolverParameters loose;
+  loose.tolerance = 1.;
+  Scalar never = cubic();
+  never.suffices = [](const TpetraVector&) { return false; };
+  const NewtonReport report = never.solve_from(2.5, loose);
+  EXPECT_TRUE(report.converged);
+  EXPECT_LT(report.iterations, 12u);
+}
+
+/// A start below the target that shall be corrected stays a solution where no correction can be found.
+TEST(Newton, ASolutionThatCannotBeRefinedStaysOne)
+{
+  SolverParameters loose;
+  loose.tolerance = 1e-2;
+  Scalar stuck = cubic();
+  stuck.solved_at_start = 1e-10;
+  stuck.least_solvable_damping = 1e9; // no linear system is solved
+  double root = 0.;
+  const NewtonReport report = stuck.solve_from(2.0001, loose, &root);
+  EXPECT_TRUE(report.converged) << report.failure;
+  EXPECT_EQ(root, 2.0001);
+  EXPECT_FALSE(stuck.solve_from(3., loose).converged);
+}
+
+/// The same where each correction leads away from the target.
+TEST(Newton, ARefinementThatGoesAstrayIsForgotten)
+{
+  SolverParameters loose;
+  loose.tolerance = 1e-2;
+  loose.line_search = false;
+  Scalar astray = {[](const double x) { return std::cbrt(x); }, // Newton's method doubles |x|
+                   [](const double x) { return std::pow(std::abs(x), -2. / 3.) / 3.; }};
+  astray.suffices = [](const TpetraVector&) { return false; };
+  double root = 0.;
+  const NewtonReport report = astray.solve_from(5e-7, loose, &root);
+  EXPECT_TRUE(report.converged) << report.failure;
+  EXPECT_LT(std::abs(std::cbrt(root)), 1e-2);
 }
