@@ -34,12 +34,7 @@ void add_force_sizes(const unsigned int dim, const NodalVector& force, const Nod
 {
   Kokkos::parallel_for(
       "sizes of nodal forces", Kokkos::RangePolicy<ExecutionSpace>(0, force.extent(0) / dim),
-      KOKKOS_LAMBDA(const std::size_t v) {
-        double square = 0.;
-        for (unsigned int c = 0; c < dim; ++c)
-          square += force(dim * v + c) * force(dim * v + c);
-        size(dim * v) += std::sqrt(square);
-      });
+      KOKKOS_LAMBDA(const std::size_t v) { size(dim * v) += size_at(dim, force, v); });
 }
 
 template void add_internal_force_sizes<2>(const ParticleArrays&, const StencilSet&, const NodalVector&);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <kedge/assembly/force_sizes.h>
 #include <kedge/base/communication.h>
 #include <kedge/steps/force_measure.h>
 
@@ -21,12 +22,8 @@ View<double*> shares(const unsigned int dim, const TpetraVector& residual, const
   const auto r = read(residual);
   const View<double*> share("shares", scale.extent(0));
   Kokkos::parallel_for(
-      "unbalanced shares", Kokkos::RangePolicy<ExecutionSpace>(0, scale.extent(0)), KOKKOS_LAMBDA(const std::size_t v) {
-        double square = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          square += r(dim * v + d) * r(dim * v + d);
-        share(v) = std::sqrt(square) / scale(v);
-      });
+      "unbalanced shares", Kokkos::RangePolicy<ExecutionSpace>(0, scale.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t v) { share(v) = size_at(dim, r, v) / scale(v); });
   return share;
 }
 } // namespace
@@ -37,12 +34,7 @@ void find_shares(const unsigned int dim, const TpetraVector& residual, TpetraVec
   const auto s = Kokkos::subview(sizes.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL(), 0);
   Kokkos::parallel_for(
       "shares of forces", Kokkos::RangePolicy<ExecutionSpace>(0, s.extent(0) / dim),
-      KOKKOS_LAMBDA(const std::size_t v) {
-        double square = 0.;
-        for (unsigned int d = 0; d < dim; ++d)
-          square += r(dim * v + d) * r(dim * v + d);
-        s(dim * v) = s(dim * v) > 0. ? std::sqrt(square) / s(dim * v) : 0.;
-      });
+      KOKKOS_LAMBDA(const std::size_t v) { s(dim * v) = s(dim * v) > 0. ? size_at(dim, r, v) / s(dim * v) : 0.; });
 }
 
 ForceMeasure::ForceMeasure(const unsigned int dim_, const MPI_Comm communicator_, const std::vector<double>& cell_sizes)
