@@ -80,14 +80,20 @@ KEDGE_FUNCTION bool find_closest(ContactPair& pair, const SurfaceMotion& surface
 
 /// Lets the true surface come to meet the soil while the body moves; `carried` is where the body takes the place of the
 /// corner's start, m.
+///
+/// Where the step follows a path, what has faded does not come back where the body does, and soil is only pressed
+/// harder where the body comes towards it: boxes draw their corners off the surface and back while soil yields and
+/// springs back, and a surface that came after them one step late would drive a body that bounces.
 KEDGE_FUNCTION void fade(ContactPair& pair, const Eigen::Vector3d& carried)
 {
-  const double first = pair.committed.reference_gap, distance = (carried - pair.start).norm();
-  const double side = first < 0. ? 1. : -1.;
+  const Eigen::Vector3d motion = carried - pair.start - pair.carry_begin;
+  const double first = pair.committed.reference_gap + pair.faded, side = first < 0. ? 1. : -1.;
+  const bool counts = !pair.on_path || first > 0. || pair.normal.dot(motion) >= 0.;
+  const double distance = counts ? motion.norm() : 0.;
   pair.carried = carried;
   pair.reference_gap = side * smaller(0., side * first + fading_per_distance * distance);
   if (pair.reference_gap != 0. && distance > 0.)
-    pair.fading = side * fading_per_distance / distance * (carried - pair.start);
+    pair.fading = side * fading_per_distance / distance * motion;
 }
 
 /// Forces and trial history of a pair at its position, its body having moved.

@@ -58,6 +58,9 @@ void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
         rests(k).followed = false;
         pairs(k).augmented = pairs(k).committed;
         pairs(k).slip_begin.setZero();
+        pairs(k).carry_begin.setZero();
+        pairs(k).faded = 0.;
+        pairs(k).on_path = false;
         pairs(k).on_plane = false;
       });
 }
@@ -87,8 +90,14 @@ void follow_path(const ContactArrays& contact, const std::size_t n_pairs)
         if (rests(k).asleep && rests(k).followed)
           return;
         rests(k).followed = true;
-        pairs(k).augmented.tangential = pairs(k).proposed.tangential; // none where nothing touches
-        pairs(k).slip_begin = pairs(k).slip;
+        ContactPair& pair = pairs(k);
+        pair.augmented.tangential = pair.proposed.tangential; // none where nothing touches
+        pair.slip_begin = pair.slip;
+        if (pair.committed.bonded || pair.committed.reference_gap == 0.)
+          return; // nothing fades
+        pair.on_path = true;
+        pair.carry_begin = pair.carried - pair.start;
+        pair.faded = pair.reference_gap - pair.committed.reference_gap;
       });
 }
 

@@ -40,15 +40,18 @@ struct ContactPair
   ContactHistory committed, trial;
   /// Multipliers in use and from the last evaluation, axes as at the start of the step.
   ContactHistory augmented, proposed;
-  double gap = std::numeric_limits<double>::infinity(); ///< signed distance in the last evaluation
-  double reference_gap = 0.;                            ///< in the last evaluation: faded
-  Eigen::Vector3d fading = Eigen::Vector3d::Zero();     ///< d reference gap / d place of the body
-  Eigen::Vector3d carried = Eigen::Vector3d::Zero();    ///< the corner's start, moved with the body, m
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();     ///< out of the body, in the last evaluation
-  Eigen::Vector3d slip = Eigen::Vector3d::Zero();       ///< in the last evaluation, in the body's frame, m
-  Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero(); ///< what the tangential force in use belongs to, so too
-  KnownDistance known;                                  ///< in the body's frame
-  bool on_plane = false;                                ///< a plane stands for the surface
+  double gap = std::numeric_limits<double>::infinity();  ///< signed distance in the last evaluation
+  double reference_gap = 0.;                             ///< in the last evaluation: faded
+  Eigen::Vector3d fading = Eigen::Vector3d::Zero();      ///< d reference gap / d place of the body
+  Eigen::Vector3d carried = Eigen::Vector3d::Zero();     ///< the corner's start, moved with the body, m
+  Eigen::Vector3d carry_begin = Eigen::Vector3d::Zero(); ///< less the start, where the path in use begins, m
+  double faded = 0.;                                     ///< of the reference gap until there, m
+  bool on_path = false;                                  ///< a path is followed
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< out of the body, in the last evaluation
+  Eigen::Vector3d slip = Eigen::Vector3d::Zero();        ///< in the last evaluation, in the body's frame, m
+  Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero();  ///< what the tangential force in use belongs to, so too
+  KnownDistance known;                                   ///< in the body's frame
+  bool on_plane = false;                                 ///< a plane stands for the surface
   /// That touches the surface, with the gap of the corner at the start of the step; in the body's frame.
   ClosestPoint plane;
   bool active = false;

@@ -62,6 +62,46 @@ TYPED_TEST(BuriedBox, MeetsTheSoilAsItMovesAlong)
   EXPECT_GT(sum_over_ranks(n_buried, MPI_COMM_WORLD), 0);
 }
 
+/// Moves the box and the soil along x.
+template <int dim> void move_along(test::PressedBlock<dim>& block, const double distance)
+{
+  block.evaluate([&](const auto&, const unsigned int d) { return d == 0 ? distance : 0.; },
+                 test::translation(distance, 0., 0.));
+}
+
+TYPED_TEST(BuriedBox, DoesNotTakeBackOnItsReturnWhatHasFadedOnItsPath)
+{
+  test::PressedBlock<TypeParam::value> block(0., 2e-2);
+  block.find_pairs(0.1);
+  block.contact.take_reference_gaps(block.bodies);
+  move_along(block, 1e-2);
+  block.contact.follow_path();
+  move_along(block, 0.);
+  const double expected = block.n_corners() * block.normal_stiffness() * 0.25 * 2e-2; // there and back
+  EXPECT_NEAR(block.load()[2], expected, 1e-9 * expected);
+  block.contact.reset_multipliers();
+  move_along(block, 0.);
+  EXPECT_NEAR(block.load()[2], 0., 1e-9 * expected);
+}
+
+/// Else soil that springs back would drive a body that bounces.
+TYPED_TEST(BuriedBox, PressesHarderOnAPathOnlyWhereItComesTowardsTheSoil)
+{
+  test::PressedBlock<TypeParam::value> block(0., 2e-2);
+  block.find_pairs(0.1);
+  block.contact.take_reference_gaps(block.bodies);
+  const double stiffness = block.n_corners() * block.normal_stiffness();
+  const auto load_at = [&](const double lift)
+  {
+    block.evaluate([](const auto&, unsigned int) { return 0.; }, test::translation(0., 0., lift));
+    block.contact.follow_path();
+    return block.load()[2];
+  };
+  EXPECT_NEAR(load_at(-1e-3), 1.25e-3 * stiffness, 1e-12 * stiffness);
+  EXPECT_NEAR(load_at(-0.5e-3), 0.75e-3 * stiffness, 1e-12 * stiffness);
+  EXPECT_NEAR(load_at(-1e-3), 1.375e-3 * stiffness, 1e-12 * stiffness);
+}
+
 /// Round-off must not choose which corners press at the start of a step: ranks would differ in it.
 TYPED_TEST(BuriedBox, TouchesNothingWithinRoundOffOfItsReferences)
 {
