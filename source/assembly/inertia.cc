@@ -40,6 +40,11 @@ constexpr double projection_tolerance = 1e-12;
 /// What will do where round-off allows no more: far below what a step is solved to.
 constexpr double loosest_projection = 1e-8;
 
+/// How often accelerations are corrected, by a mass that has this share of its row sums in addition on its diagonal: a
+/// pattern of accelerations whose mass is a share s of its row sums is then right to (1 - s) (share / (s + share))^2.
+constexpr unsigned int acceleration_corrections = 2;
+constexpr double share_of_row_sums = 1e-3;
+
 double relative_residual(const TpetraOperator& product, const TpetraVector& right_side, const TpetraVector& solution)
 {
   TpetraVector residual(right_side, Teuchos::Copy);
@@ -157,8 +162,11 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
       });
 }
 
-NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
-                           const System& system)
+namespace
+{
+/// M^-1 b of the owned dofs, as divide_by_mass().
+TpetraVector solve_for_motion(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                              const System& system)
 {
   system.zero_constrained(right_side);
   TpetraVector solution(system.graph().row_map);
@@ -170,7 +178,56 @@ NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, con
                       "conditioned; increase \"ghost factor mass\", set \"mass\": \"lumped\" or, where the soil flies "
                       "apart, damp with a \"gamma\" above 0.5",
                       {});
-  return system.spread(solution);
+  return solution;
+}
+
+/// M with a share of its row sums, the first of `dim` equal ones of each node, on its diagonal.
+NodalMass with_share_of_row_sums(const NodeGraph& graph, const NodalMass& mass, const NodalVector& row_sums)
+{
+  const NodalMass result("mass and a share of its row sums", mass.extent(0));
+  Kokkos::deep_copy(result, mass);
+  const auto row_begin = graph.row_begin;
+  const auto column = graph.column;
+  const unsigned int dim = graph.dim;
+  Kokkos::parallel_for(
+      "row sums", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
+        result(find_entry(row_begin, column, row, row)) += share_of_row_sums * row_sums(std::size_t(dim) * row);
+      });
+  return result;
+}
+} // namespace
+
+NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                           const System& system)
+{
+  return system.spread(solve_for_motion(right_side, graph, mass, system));
+}
+
+NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, const NodalMass& mass,
+                               const System& system)
+{
+  const NodalVector ones = system.make_nodal_vector(), local = system.make_nodal_vector();
+  Kokkos::deep_copy(ones, 1.);
+  add_mass_times(graph, mass, 1., ones, local);
+  TpetraVector inverse(system.graph().row_map), one(system.graph().row_map);
+  system.collect(local, inverse);
+  one.putScalar(1.);
+  system.keep_constrained(one, inverse);
+  inverse.reciprocal(inverse);
+
+  system.zero_constrained(forces);
+  const NodalOperator product(system, [&](const NodalVector& x, const NodalVector& y)
+                              { add_mass_times(graph, mass, 1., x, y); });
+  TpetraVector acceleration(system.graph().row_map), left(forces, Teuchos::Copy);
+  acceleration.elementWiseMultiply(1., inverse, forces, 0.);
+  const NodalMass heavier = with_share_of_row_sums(graph, mass, local);
+  for (unsigned int k = 0; k < acceleration_corrections; ++k)
+  {
+    Tpetra::deep_copy(left, forces);
+    product.apply(acceleration, left, Teuchos::NO_TRANS, -1., 1.);
+    acceleration.update(1., solve_for_motion(left, graph, heavier, system), 1.);
+  }
+  return system.spread(acceleration);
 }
 
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,

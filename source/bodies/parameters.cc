@@ -71,6 +71,10 @@ void check_joint(const JointParameters& joint, const Place& place)
          {std::make_pair("direction 1", joint.direction_1), std::make_pair("direction 2", joint.direction_2)})
       if (is_zero(direction))
         place.key(name).fail("the direction is zero", "give the hinge axis, of any length");
+  if (joint.type == JointType::rod && joint.position_1 == joint.position_2)
+    place.key("position 2")
+        .fail("it is \"position 1\", and a rod between the two has no direction",
+              "give the rod's two ends; \"distance\" may differ from theirs");
   if (joint.type == JointType::stop)
     for (const auto& [name, position] :
          {std::make_pair("position 1", joint.position_1), std::make_pair("position 2", joint.position_2)})

@@ -1,6 +1,7 @@
 // What becomes of the history of a particle that splits.
 #include <algorithm>
 #include <cmath>
+#include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/contact/contact.h>
 #include <limits>
@@ -77,6 +78,9 @@ std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const 
 
 template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies)
 {
+  // nobody has looked for contact yet: soil in which a body begins is pressed out of it
+  if (n_rigid_points == 0 && sum_over_ranks(static_cast<long long>(history.size()), communicator) == 0)
+    return;
   for (const Split<dim>& split : splits)
   {
     const auto first = history.lower_bound({split.parent, 0, 0}), last = history.lower_bound({split.parent + 1, 0, 0});

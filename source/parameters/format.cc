@@ -11,8 +11,14 @@ namespace
 {
 std::string plain_number(double value)
 {
-  return Json(value == static_cast<long>(value) ? Json(static_cast<long>(value)) : Json(value)).dump();
+  return Json(std::fabs(value) < 1e15 && value == static_cast<long>(value) ? Json(static_cast<long>(value))
+                                                                           : Json(value))
+      .dump();
 }
+
+/// Beyond this products of a few numbers overflow.
+constexpr double largest_number = 1e100;
+
 /// A number in quotes is a frequent mistake, so it has a remedy of its own.
 void refuse_quoted_number(const Json& json, const Place& place, const std::string& expects)
 {
@@ -82,6 +88,8 @@ Format<double> number(const std::string& unit, const Bounds& bounds)
     refuse_quoted_number(json, place, expects);
     if (!json.is_number() || !bounds.hold(json.get<double>()))
       place.expected(expects, shown(json));
+    if (std::fabs(json.get<double>()) > largest_number)
+      place.expected(expects + " no larger than " + plain_number(largest_number), shown(json), "check its unit");
     return json.get<double>();
   };
   format.write = [](const double& value) { return Json(value); };

@@ -1,5 +1,7 @@
+#include "domain.h"
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/materials/material.h>
 #include <kedge/particles/generation.h>
@@ -58,6 +60,23 @@ void set_initial_stress(double* data, const unsigned int vertical, const double 
   {
     data[field::stress + d] = stress[d];
     data[field::elastic_strain + d] = ((1. + poisson) * stress[d] - poisson * trace) / young;
+  }
+}
+
+/// The initial stress must leave soil that can be computed: is_sound() in cleaning.cc removes what is not.
+void refuse_crushing_stress(const std::vector<ParticleRow>& rows, const MaterialPointParameters& parameters)
+{
+  for (const ParticleRow& row : rows)
+  {
+    const MaterialParameters& material = parameters.layers[row.layer].material;
+    const double trace = (1. + 2. * *parameters.K0) * row.vertical_stress;
+    const double strain = (1. - 2. * material.poisson) * trace / effective_young(material, row.vertical_stress);
+    if (!(std::exp(-strain) >= least_volume_ratio))
+      throw InputError("material points.layers[" + std::to_string(row.layer) + "].material",
+                       fmt::format("under the initial stress, {:.3g} Pa at the height of {:.3g} m, soil of this "
+                                   "stiffness has {:.2g} of its volume",
+                                   row.vertical_stress, 0.5 * (row.bottom + row.top), std::exp(-strain)),
+                       "check the units of \"E\", \"density\" and gravity");
   }
 }
 
@@ -138,6 +157,9 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
   for (const Layer& layer : parameters.layers)
     block.materials.push_back(make_material(layer.material));
   const std::vector<ParticleRow> rows = make_rows(block.spacing, block.height, parameters.layers, gravity);
+
+  if (parameters.K0)
+    refuse_crushing_stress(rows, parameters);
 
   double n_places = rows.size();
   for (const long long n_along : block.per_axis)

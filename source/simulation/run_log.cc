@@ -41,7 +41,7 @@ RunLog::RunLog(const Input& input_, const RunOptions& options_)
 void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems& bodies)
 {
   StageSummary stage;
-  told_time_step = warned_of_time_step = false;
+  told_time_step = warned_of_time_step = warned_of_springs = false;
   step_length = kedge::step_length(stepping);
   stage.type = name_of(stepping.type);
   for (const RigidPoint& point : bodies.points)
@@ -68,7 +68,10 @@ void RunLog::resume(const SteppingParameters& stepping, const std::string& text,
   write("running");
 }
 
-void RunLog::tell_time_step(const SteppingParameters& stepping, const double critical)
+/// Time steps of an explicit stage that contact makes shorter than this share of the soil's deserve a warning.
+static constexpr double much_shorter = 0.1;
+
+void RunLog::tell_time_step(const SteppingParameters& stepping, const double critical, const double of_soil)
 {
   const std::size_t stage = summary.stages.size();
   if (!told_time_step)
@@ -81,6 +84,13 @@ void RunLog::tell_time_step(const SteppingParameters& stepping, const double cri
                               "steps are made no longer than that",
                               stage, stepping.dt, critical));
     warned_of_time_step = true;
+  }
+  if (critical < much_shorter * of_soil && !warned_of_springs)
+  {
+    terminal.warn(fmt::format("stage {}: contact springs allow time steps of {:.3g} s, the soil alone of {:.3g} s; a "
+                              "smaller \"normal penalty factor\" or more mass of free bodies makes them longer",
+                              stage, critical, of_soil));
+    warned_of_springs = true;
   }
   told_time_step = true;
 }

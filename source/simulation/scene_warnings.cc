@@ -1,5 +1,6 @@
 #include "step_limit.h"
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <kedge/base/world_axes.h>
 #include <kedge/simulation/layout.h>
@@ -12,6 +13,7 @@ namespace
 constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
+constexpr double most_oblique = 0.1; ///< angle of a hinge's axes, degrees
 constexpr unsigned int most_points = 4;
 /// Strength of the ghost stabilisation from which on it costs accuracy, and below which steps fail; no unit.
 constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
@@ -84,6 +86,24 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
       if (lies_beside<dim>(box[0], box[1], grid, false)) // its height may be found by placing it on the soil
         warnings.push_back(fmt::format("surface {} begins beside the grid, which reaches {}: no soil meets it there",
                                        number, text_of<dim>(grid)));
+    }
+}
+
+/// About hinges that turn their bodies as soon as they may.
+void add_warnings_about_hinges(const Input& input, std::vector<std::string>& warnings)
+{
+  for (std::size_t s = 0; s < input.systems.size(); ++s)
+    for (std::size_t j = 0; j < input.systems[s].joints.size(); ++j)
+    {
+      const JointParameters& joint = input.systems[s].joints[j];
+      if (joint.type != JointType::hinge)
+        continue;
+      const Eigen::Map<const Eigen::Vector3d> first(joint.direction_1.data()), second(joint.direction_2.data());
+      const double angle = std::atan2(first.cross(second).norm(), first.dot(second)) * 180. / M_PI;
+      if (angle > most_oblique)
+        warnings.push_back(fmt::format("rigid bodies[{}].constraints[{}]: \"direction 1\" and \"direction 2\" enclose "
+                                       "{:.3g} degrees; the hinge turns its bodies until they are parallel",
+                                       s, j, angle));
     }
 }
 
@@ -216,6 +236,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
         "any stage, {:.4g} m, times a power of two",
         grid.base_size, input.material_points.element_size, grid.finest_size));
   add_warnings_about_choices(input, grid.finest_size, warnings);
+  add_warnings_about_hinges(input, warnings);
   add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);

@@ -66,6 +66,8 @@ bool factorise_and_solve(const TpetraMatrix& matrix, const TpetraMultiVector& b,
 
 bool solve_directly(const TpetraMatrix& matrix, const TpetraMultiVector& b, TpetraMultiVector& x)
 {
+  if (matrix.getGlobalNumRows() == 0)
+    return true;
   const auto communicator = matrix.getComm();
   if (communicator->getSize() == 1)
     return factorise_and_solve(matrix, b, x);

@@ -252,7 +252,7 @@ void LinearSolver::set_structure(const Teuchos::RCP<TpetraMatrix>& matrix,
 bool LinearSolver::prefers_direct(const std::size_t n_equations) const
 {
   const LinearSolverChoice choice = implementation->parameters.linear_solver;
-  return choice == LinearSolverChoice::direct ||
+  return choice == LinearSolverChoice::direct || n_equations == 0 || // of bodies without soil
          (choice == LinearSolverChoice::automatic &&
           n_equations < (implementation->block_size == 2 ? always_direct_below_2d : always_direct_below_3d));
 }

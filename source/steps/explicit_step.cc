@@ -133,6 +133,7 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
       max_over_ranks(largest_squared_frequency(particles, basis.stencils, context.soil.materials(), share),
                      basis.nodes.communicator) /
       scaling;
+  soil_dt = 2. / std::sqrt(soil);
   critical_dt = 2. / std::sqrt(soil + contact_squared_frequency());
 }
 

@@ -1,6 +1,7 @@
 // How far an implicit step is from balance, and where.
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <kedge/assembly/force_sizes.h>
 #include <kedge/base/communication.h>
 #include <kedge/base/world_axes.h>
@@ -18,6 +19,9 @@ constexpr double reach_in_cells = 3.;
 constexpr double at_a_body = 10.;
 /// Tolerances of the loads on all bodies that may be unbalanced at all nodes, as roots of sums of squares.
 constexpr double everywhere = 40.;
+/// How far a free body that touches soil may go in a step, in cells at it. What goes farther has left the solution that
+/// it followed for another one.
+constexpr double farthest_in_contact = 0.75;
 } // namespace
 
 /// The present forces become what residuals are compared with.
@@ -49,6 +53,25 @@ template <int dim> std::vector<double> ImplicitStep<dim>::forces_on_bodies() con
   for (std::size_t i = 0; i < context.bodies.points.size(); ++i)
     forces.push_back(context.bodies.points[i].mass * g + (loads.empty() ? 0. : loads[i].head<3>().norm()));
   return forces;
+}
+
+/// Why the solution found is not one: a body has leapt. Empty if none has.
+template <int dim> std::string ImplicitStep<dim>::refusal_of_leap() const
+{
+  if (rigid_unknowns->empty())
+    return "";
+  const BodyLoads loads = body_loads();
+  const double cell = cell_size_at_surfaces(context.stage.adaptivity, context.soil.mesh().layout().base_size);
+  for (std::size_t i = 0; i < loads.size(); ++i)
+  {
+    if (loads[i].isZero())
+      continue;
+    const Vector6 chosen = body_increments[i] - load.body_increments[i]; // of the free dofs
+    const double distance = std::max(chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm());
+    if (distance > farthest_in_contact * cell)
+      return fmt::format("a body moved by {:.2g} of the cells at it", distance / cell);
+  }
+  return "";
 }
 
 /// Of a residual that was evaluated last.
@@ -155,6 +178,7 @@ template <int dim> ResidualPlace ImplicitStep<dim>::find_residual()
   template void ImplicitStep<dim>::renew_force_measure();                                                              \
   template std::vector<double> ImplicitStep<dim>::forces_on_bodies() const;                                            \
   template bool ImplicitStep<dim>::carries_bodies(const TpetraVector&) const;                                          \
+  template std::string ImplicitStep<dim>::refusal_of_leap() const;                                                     \
   template double ImplicitStep<dim>::measure(const TpetraVector&) const;                                               \
   template ResidualPlace ImplicitStep<dim>::find_residual();
 KEDGE_INSTANTIATE(2)

@@ -190,6 +190,11 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
     excess = context.soil.contact().excess();
     factor = next_augmentation(factor, excess / before);
   }
+  if (report.converged)
+  {
+    report.failure = refusal_of_leap();
+    report.converged = report.failure.empty();
+  }
   return report;
 }
 
@@ -249,7 +254,8 @@ template <int dim> void ImplicitStep<dim>::find_first_acceleration()
   residual(*increment, force);
   force.scale(-1.);
   NodalMotion motion = equations->motion();
-  motion.acceleration = divide_by_mass(*rigid_unknowns->nodal(force), equations->mass_graph(), motion.mass, system());
+  const auto divide = context.solver.ghost_factor_mass > 0. ? divide_by_mass : find_accelerations;
+  motion.acceleration = divide(*rigid_unknowns->nodal(force), equations->mass_graph(), motion.mass, system());
   equations->set_motion(motion);
   load = first;
   equations->set_newmark(load.newmark);

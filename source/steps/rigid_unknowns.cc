@@ -29,7 +29,7 @@ RigidUnknowns::RigidUnknowns(const RigidSystems& bodies, const bool active,
     numbers.push_back(mine(i));
   if (nodal_map->getComm()->getRank() == 0)
     for (std::size_t i = 0; i < dofs.size(); ++i)
-      numbers.push_back(nodal_map->getMaxAllGlobalIndex() + 1 + i);
+      numbers.push_back(static_cast<GlobalOrdinal>(nodal_map->getGlobalNumElements() + i)); // soil may have none
   all_map = Teuchos::rcp(new TpetraMap(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                                        Teuchos::arrayViewFromVector(numbers), 0, nodal_map->getComm()));
 }
@@ -130,7 +130,8 @@ double RigidUnknowns::measure(const RigidBalance& balance, const Eigen::VectorXd
   for (std::size_t i = 0; i < dofs.size(); ++i)
     if (const double left = std::abs(balance.residual[i]) - balance.likely_round_off(i); !(left <= 0.))
     {
-      const double share = left / scale[i];
+      // nothing acts yet: as at the start of a step in which a joint begins to turn a body
+      const double share = left / (scale[i] > 0. ? scale[i] : balance.magnitude[i]);
       sum += share * share;
     }
   return std::sqrt(sum);

@@ -37,6 +37,13 @@ struct NodalMotion
 NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
                            const System& system);
 
+/// The accelerations that forces b give the nodes at rest, on all local nodes: near to M^-1 b, and exactly that where
+/// all nodes move alike. M^-1 itself makes immense accelerations of what a step leaves unbalanced at nodes into whose
+/// cells soil reaches by a hair: by a share e of a box, their force is of order e or e^2 and their mass of e^4. M has
+/// no ghost mass; with it divide_by_mass() will do. Collective.
+NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, const NodalMass& mass,
+                               const System& system);
+
 /// Projects the particles' velocity and, if asked to, acceleration (else 0): M v = sum of m S v_p, M coupling nodes as
 /// `graph` says. Throws SolverError if the system cannot be solved. Collective.
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,

@@ -117,8 +117,8 @@ public:
   /// farther from the surface than the parent's, in proportion to the multilinear function of the parent's corner. So
   /// the sum of the forces is kept, and on a face that the parent's corners touch the traction is interpolated.
   /// Reference gaps of those are interpolated between the corners that have one. Other corners inside a body push
-  /// nothing. Soil does this before particles change ranks: a split is known to the rank that held the parent. `bodies`
-  /// as they stand.
+  /// nothing, except before the first search, when nothing is handed on. Soil does this before particles change ranks:
+  /// a split is known to the rank that held the parent. `bodies` as they stand. Collective.
   void inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies);
 
   /// Hands the history to the ranks that hold the particles now, `ids` on this one, waiting ones among them; that of

@@ -42,7 +42,7 @@ public:
   std::string text_of_stages();
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
   /// Of an explicit stage, s: told once in a stage, with a warning once a given time step is longer.
-  void tell_time_step(const SteppingParameters& stepping, double critical);
+  void tell_time_step(const SteppingParameters& stepping, double critical, double of_soil);
   /// Counts the mass of what was removed, too.
   void tell_removed(const HopelessParticles& removed, unsigned int step);
   /// Counts an attempt at a step, converged or not.
@@ -72,10 +72,10 @@ private:
   Report terminal;
   Timings clock_of_phases;
   RunSummary summary;
-  RunSummary earlier;                                       ///< times of the run that this one goes on from
-  bool told_time_step = false, warned_of_time_step = false; ///< in this stage
-  double step_length = 1.;                                  ///< of the stage: s, or a fraction of the load
-  long long deleted_before = 0;                             ///< in earlier stages
+  RunSummary earlier; ///< times of the run that this one goes on from
+  bool told_time_step = false, warned_of_time_step = false, warned_of_springs = false; ///< in this stage
+  double step_length = 1.;      ///< of the stage: s, or a fraction of the load
+  long long deleted_before = 0; ///< in earlier stages
   bool has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
 };
 } // namespace kedge

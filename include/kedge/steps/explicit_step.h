@@ -35,6 +35,8 @@ public:
 
   /// Bound below which central differences are stable, s; no time step is longer.
   double critical_time_step() const { return critical_dt; }
+  /// That of the soil alone, s.
+  double soil_time_step() const { return soil_dt; }
 
 private:
   double contact_squared_frequency() const;
@@ -58,7 +60,7 @@ private:
   NodalVector inertia;                   ///< the same per local dof; infinite where it is held or has no mass
   NodalVector weight;                    ///< of all ranks, under full gravity, N
   NodalVector body_force;                ///< of all ranks, at the last time step, N; empty without one
-  double critical_dt = 0.;
+  double critical_dt = 0., soil_dt = 0.;
   unsigned int n_time_steps = 0; ///< of the last step
 
   StepLoad load;

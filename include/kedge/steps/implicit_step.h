@@ -55,6 +55,7 @@ private:
   void renew_force_measure();
   std::vector<double> forces_on_bodies() const;
   bool carries_bodies(const TpetraVector& r) const;
+  std::string refusal_of_leap() const;
   double measure(const TpetraVector& r) const;
   void add_given_forces(const NodalVector& force) const;
   void set_up_equations();

@@ -140,3 +140,13 @@ TYPED_TEST(SplitContact, LetsASharpBodyInsideAParticlePushNothingAtOnce)
   TestFixture::split(block);
   EXPECT_EQ(block.contact.n_active(), 0);
 }
+
+/// As without a split, soil in which a body begins is pressed out of it, by springs of half the size.
+TYPED_TEST(SplitContact, BeforeTheFirstSearchTakesNoForceFromSoilInABody)
+{
+  typename TestFixture::Block whole(0., 0.01, 1.2), block(0., 0.01, 1.2);
+  whole.find_pairs();
+  whole.evaluate_at_rest();
+  TestFixture::split(block);
+  EXPECT_NEAR(block.load()[2], 2. * whole.load()[2], 1e-12 * whole.load()[2]);
+}

@@ -1,0 +1,29 @@
+"""Bodies that are held on soil or towed over it."""
+import numpy as np
+
+
+def largest_velocity(run):
+    """Of the soil at the end, m/s."""
+    return np.max(np.hypot(run.points("velocity_x"), run.points("velocity_z")))
+
+
+def towing_error(run):
+    """Median of the relative error of the horizontal force of the rod in the last stage: the friction of the sled's
+    weight, less what the rod lifts. Where a corner of the soil comes under the sled's round edge, it takes more."""
+    friction = run.input["contact"]["friction coefficient"]
+    weight = -run.input["rigid bodies"][0]["points"][0]["mass"] * run.input["domain"]["gravity"][1]
+    towed = (run.body("stage") == len(run.input["analysis"])) & (run.body("body1_position_x") > 1.02)
+    along, up = (run.body(f"joint1_force_{axis}")[towed] for axis in "xz")
+    return np.median(np.abs(along / (friction * (weight - up)) - 1.))
+
+
+def leap(run):
+    """Largest change of the first body's height in a step, m."""
+    return np.max(np.abs(np.diff(run.body("body1_position_z"))))
+
+
+def spin_error(run):
+    """Difference of the spins of the first body, which is turned, and the second one about x at the end, rad/s."""
+    stage, crank = run.input["analysis"][-1], run.input["rigid bodies"][0]["points"][0]
+    exact = crank["boundary conditions"][3]["prescribed"] / stage["dt"]
+    return abs(run.body("body2_angular velocity_x")[-1] - exact)
