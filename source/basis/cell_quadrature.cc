@@ -15,18 +15,19 @@ std::vector<CellCorrection<dim>> find_cell_corrections(const LeafTable<dim>& tab
       continue;
     const auto& leaf = table.leaves[i];
     CellCorrection<dim>& correction = corrections[i];
-    correction.scale = std::pow(leaf.size, dim) / content.volume;
+    if (content.full == 1.) // else it holds the end of the soil, whose place its particles tell
+      correction.scale = std::pow(leaf.size, dim) / content.volume;
     std::array<double, 3> centroid{}; // from the centre, in sizes of the leaf
     for (unsigned int d = 0; d < dim; ++d)
     {
       centroid[d] = content.moment[d] / content.volume;
-      correction.shift[d] = -centroid[d] * leaf.size;
+      correction.shift[d] = -content.full * centroid[d] * leaf.size;
     }
     if constexpr (dim == 3)
       for (unsigned int d = 0; d < dim; ++d)
       {
         const double mean = content.mixed_moment[d] / content.volume - centroid[(d + 1) % 3] * centroid[(d + 2) % 3];
-        correction.twist[d] = -mean / leaf.size;
+        correction.twist[d] = -content.full * mean / leaf.size;
       }
   }
   return corrections;

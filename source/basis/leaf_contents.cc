@@ -11,11 +11,12 @@ namespace
 {
 constexpr double across = 1e-3; // distance from a leaf, as a share of its size, at which to look for its neighbour
 
-/// A leaf counts as full from this filling on,
-constexpr double surely_full = 0.89;
-/// and inside the soil, where all neighbours hold soil too, from this one on: the particles of soil that flows are
-/// spread unevenly.
+/// A leaf inside the soil, where all neighbours hold soil too, counts as full from this filling on: the particles of
+/// soil that flows are spread unevenly.
 constexpr double full_inside = 0.49, filled_neighbour = 0.24;
+/// At the ends of the soil it begins to count as full at this filling, and does so wholly only where it is: the surface
+/// of soil that is pressed lies in the leaf.
+constexpr double nearly_full = 0.89;
 
 /// Name of a leaf that is the same on every rank: its lower corner in units of the finest cells that a forest can have.
 template <int dim> using LeafKey = std::array<long long, dim>;
@@ -107,17 +108,17 @@ bool is_boundary(const LeafTable<dim>& table, const std::vector<LeafContent>& co
 }
 
 template <int dim>
-bool is_full(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
+double share_full(const LeafTable<dim>& table, const std::vector<LeafContent>& contents, const unsigned int leaf)
 {
   const double filling = contents[leaf].volume / leaf_volume(table, leaf);
-  if (filling >= surely_full || filling < full_inside)
-    return filling >= surely_full;
+  if (filling >= 1. || filling < full_inside)
+    return filling >= 1.;
   for (unsigned int axis = 0; axis < dim; ++axis)
     for (const bool upper : {false, true})
       for (const unsigned int neighbour : find_neighbours(table, leaf, axis, upper))
         if (contents[neighbour].volume < filled_neighbour * leaf_volume(table, neighbour))
-          return false;
-  return true;
+          return std::max(0., (filling - nearly_full) / (1. - nearly_full));
+  return 1.;
 }
 } // namespace
 
@@ -192,7 +193,7 @@ std::vector<LeafContent> find_leaf_contents(const LeafTable<dim>& table, const S
     if (table.leaves[leaf].owned && is_populated(contents[leaf]))
     {
       contents[leaf].boundary = is_boundary(table, contents, leaf, poor_factor);
-      contents[leaf].full = is_full(table, contents, leaf);
+      contents[leaf].full = share_full(table, contents, leaf);
     }
   exchange.update_ghosts(contents);
   return contents;

@@ -82,6 +82,7 @@ View<double* [3]> BodyForce<dim>::evaluate(const ParticleSet<dim>& particles, co
   const auto initial = particles.initial_positions();
   const View<double* [3]> result("body force", present.size());
   const auto values = make_mirror(result);
+  Kokkos::deep_copy(values, 0.); // in 2-D the third stays so
   FiniteValues<dim> finite;
   std::array<double, 2 * dim + 1> variables;
   variables[2 * dim] = time;

@@ -26,8 +26,9 @@ std::string find_sharp_edge(const std::size_t number, const double radius, const
   if (radius >= facets * 0.5 * particle)
     return "";
   return fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
-                     "soil may slip past them; take finer cells there, round them as kedge geometry --edge-radius does "
-                     "for plates and frusta, or accept it with \"warn of sharp edges\": \"off\"",
+                     "soil may slip past them, or its corners catch on them; take finer cells there, round them as "
+                     "kedge geometry --edge-radius does for plates and frusta, or accept it with \"warn of sharp "
+                     "edges\": \"off\"",
                      number, radius, 0.5 * particle);
 }
 

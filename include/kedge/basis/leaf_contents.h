@@ -24,7 +24,7 @@ struct LeafContent
   double stiffness = 0.;                ///< volume times Young's modulus
   double mass = 0.;                     ///< kg (2-D: kg/m)
   double boundary = 0.;                 ///< 1: a face neighbour is unpopulated, or the filling is below the poor factor
-  double full = 0.;                     ///< 1: soil takes the whole leaf, however unevenly its particles are spread
+  double full = 0.;                     ///< 1: soil takes all of it, however unevenly spread; less at the soil's ends
   std::array<double, 3> moment{};       ///< volume times place, from the leaf's centre in sizes of the leaf
   std::array<double, 3> mixed_moment{}; ///< volume times y z, z x, x y of that place
 

@@ -49,12 +49,16 @@ struct SlipLimit
   double slope; ///< d force / d pressure
 };
 
+/// Pressure over adhesion from which on their sum has all of the adhesion.
+constexpr double full_adhesion = 0.1;
+
 /// With the pressure p (N; negative: tension), p+ = max(p, 0), friction coefficient mu and adhesion a A (N):
 ///   friction  mu p+             (Coulomb)
 ///   smaller   min(mu p+, a A)   (undrained clay: Rowe & Davis 1982, doi 10.1680/geot.1982.32.1.9)
 ///   sum       a A + mu p+       (Potyondy 1961, doi 10.1680/geot.1961.11.4.339)
-/// A bonded point has the adhesion at any pressure: "smaller" is a A there. Each form is continuous for all p of a
-/// bonded point and for p > 0 of any other, which carries nothing at p <= 0: there "sum" alone falls from a A to zero.
+/// A bonded point has the adhesion at any pressure: "smaller" is a A there. Any other carries nothing at p <= 0, and
+/// "sum" rises from there to its value at p = a A / 10: if it fell from a A to zero at once, no force would balance a
+/// body that comes off soil which it has sheared.
 KEDGE_FUNCTION SlipLimit slip_limit(const ContactStiffness& stiffness, const double pressure, const bool bonded)
 {
   const SlipLimit friction =
@@ -66,6 +70,11 @@ KEDGE_FUNCTION SlipLimit slip_limit(const ContactStiffness& stiffness, const dou
     case TangentialLimit::smaller:
       return bonded || friction.force > stiffness.adhesion ? SlipLimit{stiffness.adhesion, 0.} : friction;
     case TangentialLimit::sum:
+      if (!bonded && pressure < full_adhesion * stiffness.adhesion)
+      {
+        const double slope = 1. / full_adhesion + stiffness.friction;
+        return pressure > 0. ? SlipLimit{slope * pressure, slope} : SlipLimit{0., 0.};
+      }
       return {stiffness.adhesion + friction.force, friction.slope};
   }
   return {0., 0.}; // no other limit exists

@@ -1,4 +1,4 @@
-"""Bodies that are held on soil or towed over it."""
+"""Bodies that are held on soil, press it or are towed over it."""
 import numpy as np
 
 
@@ -27,3 +27,9 @@ def spin_error(run):
     stage, crank = run.input["analysis"][-1], run.input["rigid bodies"][0]["points"][0]
     exact = crank["boundary conditions"][3]["prescribed"] / stage["dt"]
     return abs(run.body("body2_angular velocity_x")[-1] - exact)
+
+
+def stress_spread(run):
+    """Largest less smallest vertical stress at the end, over its mean."""
+    stress = run.points("stress_zz")
+    return np.ptp(stress) / abs(np.mean(stress))

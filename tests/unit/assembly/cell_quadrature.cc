@@ -19,6 +19,8 @@ public:
     volume = download(arrays.initial_volume);
     contents = find_leaf_contents<dim>(table(), {parts(), block.particles.half_widths(), young, mass, volume}, 0.25,
                                        MPI_COMM_WORLD);
+    for (LeafContent& content : contents) // at the ends of so small a block, too
+      content.full = content.full > 0. ? 1. : 0.;
   }
 
   const LeafTable<dim>& table() const { return block.mesh.leaves(); }
@@ -60,7 +62,7 @@ public:
     {
       const auto& cell = table().leaves[leaf];
       for (unsigned int n = 0; n < cell.n_nodes; ++n)
-        if (contents[leaf].full == 0.)
+        if (contents[leaf].full < 1.)
           inner[table().nodes[cell.node_begin + n]] = false;
     }
     for (std::size_t v = 0; v < inner.size(); ++v)

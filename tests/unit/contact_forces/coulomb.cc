@@ -256,6 +256,9 @@ TEST(SlipLimits, FollowTheirForms)
   EXPECT_DOUBLE_EQ(limit(Limit::smaller, 1e3), 100.);
   EXPECT_DOUBLE_EQ(limit(Limit::smaller, 200.), 80.);
   EXPECT_DOUBLE_EQ(limit(Limit::sum, 1e3), 500.);
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, 10.), 104.);
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, 5.), 52.); // rises from zero to all of the adhesion
+  EXPECT_DOUBLE_EQ(limit(Limit::sum, -1.), 0.);
   EXPECT_DOUBLE_EQ(limit(Limit::friction, -1e3, true), 0.);
   EXPECT_DOUBLE_EQ(limit(Limit::smaller, -1e3, true), 100.);
   EXPECT_DOUBLE_EQ(limit(Limit::smaller, 200., true), 100.);
@@ -276,19 +279,20 @@ TEST(BondedPoint, PullsAsItPresses)
   }
 }
 
-TEST(BondedPoint, ForceIsContinuousWhereItBeginsToPull)
+TEST(SlipLimits, LetTheForceBeContinuousWhereThePressureEnds)
 {
   const Body face{"face", 1};
   for (const TangentialLimit form : {TangentialLimit::friction, TangentialLimit::smaller, TangentialLimit::sum})
-  {
-    const auto force = [&](const double gap)
+    for (const bool bonded : {true, false})
     {
-      return respond_to_contact(face.at({1., 0.5, gap}, {0., 0., gap}, 0.), {1e6, 5e5, 0.4, 100., form},
-                                Vector3d::Zero(), 0., true)
-          .force;
-    };
-    EXPECT_LT((force(1e-9) - force(-1e-9)).norm(), 2e-9 * 1.5e6);
-  }
+      const auto force = [&](const double gap)
+      {
+        return respond_to_contact(face.at({1., 0.5, gap}, {0., 0., gap}, 0.), {1e6, 5e5, 0.4, 100., form},
+                                  Vector3d::Zero(), 0., bonded)
+            .force;
+      };
+      EXPECT_LT((force(1e-9) - force(-1e-9)).norm(), 2e-9 * 12e6); // at most (1 / 0.1 + 0.4) of the normal spring
+    }
 }
 
 TEST(CoulombLaw, AdhesionHoldsWithoutFriction)
