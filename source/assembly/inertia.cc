@@ -41,7 +41,8 @@ constexpr double projection_tolerance = 1e-12;
 constexpr double loosest_projection = 1e-8;
 
 /// How often accelerations are corrected, by a mass that has this share of its row sums in addition on its diagonal: a
-/// pattern of accelerations whose mass is a share s of its row sums is then right to (1 - s) (share / (s + share))^2.
+/// pattern of accelerations whose mass is a share s of its row sums then has the relative error (1 - s) (share / (s +
+/// share))^2.
 constexpr unsigned int acceleration_corrections = 2;
 constexpr double share_of_row_sums = 1e-3;
 

@@ -44,7 +44,7 @@ Section<InterfaceParameters> interface_section(const bool required)
       "tangential limit", &P::tangential_limit,
       maybe(choice<TangentialLimit>({{"smaller", TangentialLimit::smaller}, {"sum", TangentialLimit::sum}})),
       "Shear stress at which the soil slips at a pressure p: the smaller of friction coefficient x p and "
-      "adhesion, or their sum" +
+      "adhesion, or their sum, which has all of the adhesion from a pressure of a tenth of it on" +
           (required ? std::string("; default: \"smaller\", because in undrained clay a higher total pressure does not "
                                   "make the interface stronger")
                     : otherwise));

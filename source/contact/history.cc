@@ -49,6 +49,18 @@ template <int dim> void Contact<dim>::commit()
       history[host(k).key] = host(k).trial;
 }
 
+template <int dim> std::vector<bool> Contact<dim>::points_that_press(const RigidSystems& bodies) const
+{
+  std::vector<double> here(bodies.points.size(), 0.);
+  for (const auto& [key, state] : history)
+    if (state.pressure > 0. || state.bonded)
+      here[bodies.surfaces[key.surface].point] = 1.;
+  std::vector<bool> result;
+  for (const double presses : here)
+    result.push_back(max_over_ranks(presses, communicator) > 0.);
+  return result;
+}
+
 template <int dim> void Contact<dim>::follow_particles(const std::vector<long long>& ids)
 {
   std::unordered_set<long long> touched, here;
@@ -117,6 +129,7 @@ void Contact<dim>::import_history(const std::vector<ContactRecord>& records, con
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void Contact<dim>::commit();                                                                                \
+  template std::vector<bool> Contact<dim>::points_that_press(const RigidSystems&) const;                               \
   template void Contact<dim>::follow_particles(const std::vector<long long>&);                                         \
   template std::vector<ContactRecord> Contact<dim>::export_history() const;                                            \
   template void Contact<dim>::import_history(const std::vector<ContactRecord>&, const std::vector<long long>&);

@@ -79,7 +79,7 @@ std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const 
 template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies)
 {
   // nobody has looked for contact yet: soil in which a body begins is pressed out of it
-  if (n_rigid_points == 0 && sum_over_ranks(static_cast<long long>(history.size()), communicator) == 0)
+  if (!has_searched && sum_over_ranks(static_cast<long long>(history.size()), communicator) == 0)
     return;
   for (const Split<dim>& split : splits)
   {

@@ -207,6 +207,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   make_room(arrays);
   nodal_increment = View<double*>();
   n_rigid_points = bodies.points.size();
+  has_searched = true;
 }
 
 template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)

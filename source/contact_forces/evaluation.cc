@@ -13,6 +13,9 @@ using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 /// times their depth they fade, slowly enough for the soil to give way.
 constexpr double fading_per_distance = 0.25;
 
+/// Motion whose part out of the soil is below this share goes along it: round-off must not choose.
+constexpr double along = 1e-9;
+
 /// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
 /// there is what the last solution has left of the distance.
 constexpr double on_surface = 0.05;
@@ -88,7 +91,7 @@ KEDGE_FUNCTION void fade(ContactPair& pair, const Eigen::Vector3d& carried)
 {
   const Eigen::Vector3d motion = carried - pair.start - pair.carry_begin;
   const double first = pair.committed.reference_gap + pair.faded, side = first < 0. ? 1. : -1.;
-  const bool counts = !pair.on_path || first > 0. || pair.normal.dot(motion) >= 0.;
+  const bool counts = !pair.on_path || first > 0. || pair.normal.dot(motion) >= -along * motion.norm();
   const double distance = counts ? motion.norm() : 0.;
   pair.carried = carried;
   pair.reference_gap = side * smaller(0., side * first + fading_per_distance * distance);

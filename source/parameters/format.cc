@@ -89,7 +89,7 @@ Format<double> number(const std::string& unit, const Bounds& bounds)
     if (!json.is_number() || !bounds.hold(json.get<double>()))
       place.expected(expects, shown(json));
     if (std::fabs(json.get<double>()) > largest_number)
-      place.expected(expects + " no larger than " + plain_number(largest_number), shown(json), "check its unit");
+      place.expected(expects + " of a size up to " + plain_number(largest_number), shown(json), "check its unit");
     return json.get<double>();
   };
   format.write = [](const double& value) { return Json(value); };

@@ -78,7 +78,7 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
            (input.solver.ghost_factor.value_or(1.) > 0. ? "a larger" : "a") +
            " \"ghost factor\", a little cohesion, or \"linear solver\": \"direct\" may help, and conditions that hold "
            "every body and the soil; a body that is free to turn needs \"rotational inertia\".";
-  if (contains(failure, "a body moved"))
+  if (contains(failure, "moved by"))
     return "A free body leaps to another place where forces balance, as one that is caught or comes loose: shorter "
            "steps, rounder edges, finer cells or a stage that is \"dynamic\" may help.";
   if (contains(failure, "not finite"))

@@ -68,7 +68,7 @@ void RunLog::resume(const SteppingParameters& stepping, const std::string& text,
   write("running");
 }
 
-/// Time steps of an explicit stage that contact makes shorter than this share of the soil's deserve a warning.
+/// Below this share of the soil's own time step a warning says that contact makes it short.
 static constexpr double much_shorter = 0.1;
 
 void RunLog::tell_time_step(const SteppingParameters& stepping, const double critical, const double of_soil)

@@ -13,7 +13,7 @@ namespace
 constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
-constexpr double most_oblique = 0.1; ///< angle of a hinge's axes, degrees
+constexpr double parallel_within = 0.1; ///< angle of a hinge's axes, degrees
 constexpr unsigned int most_points = 4;
 /// Strength of the ghost stabilisation from which on it costs accuracy, and below which steps fail; no unit.
 constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
@@ -100,10 +100,10 @@ void add_warnings_about_hinges(const Input& input, std::vector<std::string>& war
       if (joint.type != JointType::hinge)
         continue;
       const Eigen::Map<const Eigen::Vector3d> first(joint.direction_1.data()), second(joint.direction_2.data());
-      const double angle = std::atan2(first.cross(second).norm(), first.dot(second)) * 180. / M_PI;
-      if (angle > most_oblique)
-        warnings.push_back(fmt::format("rigid bodies[{}].constraints[{}]: \"direction 1\" and \"direction 2\" enclose "
-                                       "{:.3g} degrees; the hinge turns its bodies until they are parallel",
+      const double angle = std::atan2(first.cross(second).norm(), std::abs(first.dot(second))) * 180. / M_PI;
+      if (angle > parallel_within)
+        warnings.push_back(fmt::format("rigid bodies[{}].constraints[{}]: \"direction 1\" and \"direction 2\" are "
+                                       "{:.3g} degrees apart; the hinge turns its bodies until they are parallel",
                                        s, j, angle));
     }
 }

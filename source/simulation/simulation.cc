@@ -288,7 +288,7 @@ template <int dim> void Simulation<dim>::adapt()
   const auto scope = log.timings().measure("adapt");
   if (stage->adaptivity.type == AdaptivityType::rigid_body_surface && stage->rigid_bodies)
     soil.adapt(bodies, stage->adaptivity);
-  else if (const auto& grid = soil.mesh().layout(); grid.finest_size < grid.base_size)
+  else
     soil.split(bodies); // the cells stay as the last stage has left them
 }
 

@@ -19,8 +19,8 @@ constexpr double reach_in_cells = 3.;
 constexpr double at_a_body = 10.;
 /// Tolerances of the loads on all bodies that may be unbalanced at all nodes, as roots of sums of squares.
 constexpr double everywhere = 40.;
-/// How far a free body that touches soil may go in a step, in cells at it. What goes farther has left the solution that
-/// it followed for another one.
+/// How far a free body that soil carries, before and after, may go in a step, in cells at it. What goes farther has
+/// left the solution that it followed for another one.
 constexpr double farthest_in_contact = 0.75;
 } // namespace
 
@@ -55,23 +55,24 @@ template <int dim> std::vector<double> ImplicitStep<dim>::forces_on_bodies() con
   return forces;
 }
 
-/// Why the solution found is not one: a body has leapt. Empty if none has.
+/// Why the solution found is not one: a body that the soil has carried leaps to another place. Empty if none does.
 template <int dim> std::string ImplicitStep<dim>::refusal_of_leap() const
 {
   if (rigid_unknowns->empty())
     return "";
   const BodyLoads loads = body_loads();
   const double cell = cell_size_at_surfaces(context.stage.adaptivity, context.soil.mesh().layout().base_size);
+  double farthest = 0.;
+  const std::vector<bool> carried = context.soil.contact().points_that_press(context.bodies);
   for (std::size_t i = 0; i < loads.size(); ++i)
   {
-    if (loads[i].isZero())
-      continue;
     const Vector6 chosen = body_increments[i] - load.body_increments[i]; // of the free dofs
-    const double distance = std::max(chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm());
-    if (distance > farthest_in_contact * cell)
-      return fmt::format("a body moved by {:.2g} of the cells at it", distance / cell);
+    if (carried[i] && !loads[i].isZero())
+      farthest = std::max({farthest, chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm()});
   }
-  return "";
+  return farthest > farthest_in_contact * cell
+             ? fmt::format("a free body that the soil carries moved by {:.2g} cells", farthest / cell)
+             : "";
 }
 
 /// Of a residual that was evaluated last.
@@ -79,7 +80,8 @@ template <int dim> double ImplicitStep<dim>::measure(const TpetraVector& r) cons
 {
   const bool by_weight = context.solver.measures_by_weight();
   const auto nodal = rigid_unknowns->nodal(r);
-  const double soil = by_weight ? nodal->norm2() / weight_norm : force_measure.of(*nodal);
+  const double size = nodal->norm2();
+  const double soil = !by_weight ? force_measure.of(*nodal) : size > 0. ? size / weight_norm : 0.;
   if (rigid_unknowns->empty())
     return soil;
   const double bodies = rigid_unknowns->measure(balance, body_scale);

@@ -130,7 +130,7 @@ double RigidUnknowns::measure(const RigidBalance& balance, const Eigen::VectorXd
   for (std::size_t i = 0; i < dofs.size(); ++i)
     if (const double left = std::abs(balance.residual[i]) - balance.likely_round_off(i); !(left <= 0.))
     {
-      // nothing acts yet: as at the start of a step in which a joint begins to turn a body
+      // the scale may be from before a joint began to turn the body
       const double share = left / (scale[i] > 0. ? scale[i] : balance.magnitude[i]);
       sum += share * share;
     }

@@ -14,6 +14,7 @@ namespace kedge
 ///   bilinear part).
 /// The sum of gradients over a full leaf is then that of the finite element with the same nodes, wherever the particles
 /// are, and uniform stress is in balance. Linear fields have the same gradient at every place, so they are reproduced.
+/// Leaves that are partly full (LeafContent::full) get that share of the shift, and their volumes stay.
 template <int dim> struct CellCorrection
 {
   double scale = 1.;               ///< of volumes
@@ -35,7 +36,7 @@ CellCorrection<dim> correction_of(const std::vector<CellCorrection<dim>>& correc
   return corrections.empty() ? CellCorrection<dim>() : corrections[leaf];
 }
 
-/// The corrections of all leaves: of those that are full, and none for the others.
+/// The corrections of all leaves; none for those that are not full at all.
 template <int dim>
 std::vector<CellCorrection<dim>> find_cell_corrections(const LeafTable<dim>& table,
                                                        const std::vector<LeafContent>& contents);

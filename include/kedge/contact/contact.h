@@ -108,6 +108,9 @@ public:
   double unbalanced_share(const View<double*>& share) const;
   /// Their derivatives by the motion of each rigid point itself, summed over all ranks. Collective.
   BodyTangents load_tangents() const;
+  /// By rigid point: whether soil pressed on its surfaces, or was bonded to them, at the end of the last step.
+  /// Collective.
+  std::vector<bool> points_that_press(const RigidSystems& bodies) const;
   /// Makes the trial history of the last evaluation the committed one, turned with the bodies.
   void commit();
 
@@ -170,6 +173,7 @@ private:
   SurfaceMotions motions;         ///< of the last evaluation
   View<double*> nodal_increment;  ///< of the last evaluation, m
   std::size_t n_rigid_points = 0;
+  bool has_searched = false; ///< for pairs
   std::map<ContactKey, ContactHistory> history;
   std::vector<long long> known_ids; ///< of the particles that this rank had when it last followed them
   /// That of particles that the last search did not see: outside the window.

@@ -44,9 +44,9 @@ struct ContactPair
   double reference_gap = 0.;                             ///< in the last evaluation: faded
   Eigen::Vector3d fading = Eigen::Vector3d::Zero();      ///< d reference gap / d place of the body
   Eigen::Vector3d carried = Eigen::Vector3d::Zero();     ///< the corner's start, moved with the body, m
-  Eigen::Vector3d carry_begin = Eigen::Vector3d::Zero(); ///< less the start, where the path in use begins, m
-  double faded = 0.;                                     ///< of the reference gap until there, m
-  bool on_path = false;                                  ///< a path is followed
+  Eigen::Vector3d carry_begin = Eigen::Vector3d::Zero(); ///< `carried` less `start` at the last follow_path(), m
+  double faded = 0.;                                     ///< of the reference gap by then, m
+  bool on_path = false;                                  ///< there was a follow_path() in this step
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< out of the body, in the last evaluation
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();        ///< in the last evaluation, in the body's frame, m
   Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero();  ///< what the tangential force in use belongs to, so too

@@ -41,7 +41,8 @@ public:
   /// What a restart file keeps of the stages so far, and how a run goes on from it in the stage that it stopped in.
   std::string text_of_stages();
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
-  /// Of an explicit stage, s: told once in a stage, with a warning once a given time step is longer.
+  /// Critical time step of an explicit stage and that of its soil alone, s: told once in a stage, with warnings once a
+  /// given time step is longer, and where contact makes it much shorter than the soil does.
   void tell_time_step(const SteppingParameters& stepping, double critical, double of_soil);
   /// Counts the mass of what was removed, too.
   void tell_removed(const HopelessParticles& removed, unsigned int step);

@@ -9,7 +9,13 @@ def growth(run):
     return np.std(velocity[-fifth:]) / np.std(velocity[:fifth])
 
 
-def rise(run):
+def wander(run):
     """How far the platen has wandered from where the static stage left it, m."""
     height = run.body("body1_position_z")
     return abs(np.mean(height[-len(height) // 5:]) - height[run.body("stage") == 1][-1])
+
+
+def speed(run):
+    """Root mean square of the vertical velocity in the last fifth of the explicit stage, m/s."""
+    velocity = run.body("body1_velocity_z")[run.body("stage") == 2]
+    return np.sqrt(np.mean(velocity[-(len(velocity) // 5):]**2))

@@ -81,7 +81,7 @@ public:
         const ContactResponse response = respond(y);
         const double pressure = multiplier - stiffness.normal * GetParam().at(y, start, reference).gap;
         const SlipLimit limit = slip_limit(stiffness, pressure, bonded);
-        return std::make_tuple(response.active, response.sliding, limit.slope > 0.);
+        return std::make_tuple(response.active, response.sliding, limit.slope);
       };
       const double step = 1e-5 * x.norm();
       const ContactResponse response = respond(x);
@@ -136,6 +136,11 @@ TEST_P(Coulomb, TangentInSlipByTheAdhesion)
 TEST_P(Coulomb, TangentInSlipByTheSum)
 {
   EXPECT_LT(worst_tangent({1e6, 5e5, 0.1, 500., TangentialLimit::sum}, 0., true), 1e-6);
+}
+
+TEST_P(Coulomb, TangentWhereTheAdhesionRisesWithThePressure)
+{
+  EXPECT_LT(worst_tangent({1e6, 5e7, 0.1, 1e6, TangentialLimit::sum}, 0., true), 1e-4);
 }
 
 TEST_P(Coulomb, TangentInStickByTheAdhesionAlone)

@@ -1,6 +1,7 @@
 #include "tall_block.h"
 #include <Eigen/Core>
 #include <gtest/gtest.h>
+#include <kedge/base/exceptions.h>
 #include <set>
 
 using namespace kedge;
@@ -123,6 +124,22 @@ TYPED_TEST(Particles, StandUnderTheOverburdenAndK0TimesIt)
     const double expected = -this->overburden(this->particles.positions()[p][vertical]);
     for (unsigned int d = 0; d < 6; ++d)
       ASSERT_NEAR(stress(p, d), expected * (d == vertical ? 1. : d < 3 ? 0.4 : 0.), -1e-12 * expected);
+  }
+}
+
+TYPED_TEST(Particles, RefuseAnInitialStressThatCrushesThem)
+{
+  constexpr int dim = TypeParam::value;
+  MaterialPointParameters soft = TestFixture::two_layers();
+  soft.layers[0].material.young = 2e3; // 6 kPa below it
+  try
+  {
+    const test::SoilFixture<dim> block(test::tall_block<dim>(), soft, TestFixture::gravity);
+    FAIL();
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_EQ(error.path, "material points.layers[0].material");
   }
 }
 

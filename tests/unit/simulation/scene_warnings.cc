@@ -55,6 +55,14 @@ TEST(Warnings, AdhesionThatIsNeverReached)
   EXPECT_EQ(warnings("strip-footing.json", {adhesive + ", \"bonded\": \"on\"}"}), std::vector<std::string>());
 }
 
+TEST(Warnings, HingesWhoseAxesAreNotParallel)
+{
+  expect_warning(warnings("drag-anchor-quick.json", {"rigid bodies.0.constraints.0.direction 2=[0, 1, 0.1]"}),
+                 "rigid bodies[0].constraints[0]: \"direction 1\" and \"direction 2\" are 5.71 degrees apart");
+  EXPECT_EQ(warnings("drag-anchor-quick.json", {"rigid bodies.0.constraints.0.direction 2=[0, -2, 0]"}),
+            std::vector<std::string>()); // the axis is the same
+}
+
 TEST(Warnings, BodiesBesideTheGrid)
 {
   expect_warning(warnings("plate-anchor-ts.json", {"rigid bodies.0.offset=[5, 0, 0]"}),
