@@ -40,11 +40,11 @@ constexpr double projection_tolerance = 1e-12;
 /// What will do where round-off allows no more: far below what a step is solved to.
 constexpr double loosest_projection = 1e-8;
 
-/// How often accelerations are corrected, by a mass that has this share of its row sums in addition on its diagonal: a
-/// pattern of accelerations whose mass is a share s of its row sums then has the relative error (1 - s) (share / (s +
-/// share))^2.
-constexpr unsigned int acceleration_corrections = 2;
-constexpr double share_of_row_sums = 1e-3;
+/// What is divided by M nearly is corrected so often, by a mass with a share of its row sums in addition on its
+/// diagonal. A pattern of nodes whose mass is a share s of its row sums then has the relative error (1 - s) (share / (s
+/// + share))^2.
+constexpr unsigned int corrections = 2;
+constexpr double share_for_forces = 1e-3, share_where_round_off_rules = 1e-6;
 
 double relative_residual(const TpetraOperator& product, const TpetraVector& right_side, const TpetraVector& solution)
 {
@@ -165,25 +165,20 @@ void add_particle_momentum(const ParticleArrays& particles, const StencilSet& st
 
 namespace
 {
-/// M^-1 b of the owned dofs, as divide_by_mass().
-TpetraVector solve_for_motion(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
-                              const System& system)
+/// M x = b on the owned dofs; false where round-off does not allow it.
+bool solve_mass_system(const TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                       const System& system, TpetraVector& solution)
 {
-  system.zero_constrained(right_side);
-  TpetraVector solution(system.graph().row_map);
   const auto product = Teuchos::rcp(new NodalOperator(system, [&](const NodalVector& x, const NodalVector& y)
                                                       { add_mass_times(graph, mass, 1., x, y); }));
-  if (!solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution, projection_tolerance) &&
-      !(relative_residual(*product, right_side, solution) < loosest_projection))
-    throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
-                      "conditioned; increase \"ghost factor mass\", set \"mass\": \"lumped\" or, where the soil flies "
-                      "apart, damp with a \"gamma\" above 0.5",
-                      {});
-  return solution;
+  return solve_positive_definite(product, diagonal_of(graph, mass, system), right_side, solution,
+                                 projection_tolerance) ||
+         relative_residual(*product, right_side, solution) < loosest_projection;
 }
 
 /// M with a share of its row sums, the first of `dim` equal ones of each node, on its diagonal.
-NodalMass with_share_of_row_sums(const NodeGraph& graph, const NodalMass& mass, const NodalVector& row_sums)
+NodalMass with_share_of_row_sums(const NodeGraph& graph, const NodalMass& mass, const double share,
+                                 const NodalVector& row_sums)
 {
   const NodalMass result("mass and a share of its row sums", mass.extent(0));
   Kokkos::deep_copy(result, mass);
@@ -192,20 +187,15 @@ NodalMass with_share_of_row_sums(const NodeGraph& graph, const NodalMass& mass, 
   const unsigned int dim = graph.dim;
   Kokkos::parallel_for(
       "row sums", Kokkos::RangePolicy<ExecutionSpace>(0, graph.n_rows), KOKKOS_LAMBDA(const unsigned int row) {
-        result(find_entry(row_begin, column, row, row)) += share_of_row_sums * row_sums(std::size_t(dim) * row);
+        result(find_entry(row_begin, column, row, row)) += share * row_sums(std::size_t(dim) * row);
       });
   return result;
 }
-} // namespace
 
-NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
-                           const System& system)
-{
-  return system.spread(solve_for_motion(right_side, graph, mass, system));
-}
-
-NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, const NodalMass& mass,
-                               const System& system)
+/// Nearly M^-1 b on the owned dofs, which are zero in b where they are held: b over the row sums of M, corrected by a
+/// mass that has a share of them in addition. Exact where all nodes move alike.
+TpetraVector solve_nearly(const TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
+                          const System& system, const double share)
 {
   const NodalVector ones = system.make_nodal_vector(), local = system.make_nodal_vector();
   Kokkos::deep_copy(ones, 1.);
@@ -216,19 +206,43 @@ NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, con
   system.keep_constrained(one, inverse);
   inverse.reciprocal(inverse);
 
-  system.zero_constrained(forces);
   const NodalOperator product(system, [&](const NodalVector& x, const NodalVector& y)
                               { add_mass_times(graph, mass, 1., x, y); });
-  TpetraVector acceleration(system.graph().row_map), left(forces, Teuchos::Copy);
-  acceleration.elementWiseMultiply(1., inverse, forces, 0.);
-  const NodalMass heavier = with_share_of_row_sums(graph, mass, local);
-  for (unsigned int k = 0; k < acceleration_corrections; ++k)
+  TpetraVector solution(system.graph().row_map), left(right_side, Teuchos::Copy), correction(solution.getMap());
+  solution.elementWiseMultiply(1., inverse, right_side, 0.);
+  const NodalMass heavier = with_share_of_row_sums(graph, mass, share, local);
+  for (unsigned int k = 0; k < corrections; ++k)
   {
-    Tpetra::deep_copy(left, forces);
-    product.apply(acceleration, left, Teuchos::NO_TRANS, -1., 1.);
-    acceleration.update(1., solve_for_motion(left, graph, heavier, system), 1.);
+    Tpetra::deep_copy(left, right_side);
+    product.apply(solution, left, Teuchos::NO_TRANS, -1., 1.);
+    if (!solve_mass_system(left, graph, heavier, system, correction))
+      throw SolverError("the motion of the soil could not be projected to the nodes: the mass matrix is too badly "
+                        "conditioned; increase \"ghost factor mass\", set \"mass\": \"lumped\" or, where the soil "
+                        "flies apart, damp with a \"gamma\" above 0.5",
+                        {});
+    solution.update(1., correction, 1.);
   }
-  return system.spread(acceleration);
+  return solution;
+}
+
+/// M^-1 b, or what comes near to it where soil reaches into cells by so little that round-off does not allow it.
+NodalVector project(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass, const System& system)
+{
+  system.zero_constrained(right_side);
+  TpetraVector solution(system.graph().row_map);
+  return system.spread(solve_mass_system(right_side, graph, mass, system, solution)
+                           ? solution
+                           : solve_nearly(right_side, graph, mass, system, share_where_round_off_rules));
+}
+} // namespace
+
+NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, const NodalMass& mass,
+                               const System& system, const bool has_ghost_mass)
+{
+  if (has_ghost_mass)
+    return project(forces, graph, mass, system);
+  system.zero_constrained(forces);
+  return system.spread(solve_nearly(forces, graph, mass, system, share_for_forces));
 }
 
 NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& stencils, const GhostFaces& faces,
@@ -241,16 +255,16 @@ NodalMotion project_motion(const ParticleArrays& particles, const StencilSet& st
   if (faces.n_faces() > 0)
     add_ghost_mass(faces, graph, motion.mass);
 
-  const auto project = [&](const View<double* [3]>& quantity)
+  const auto project_to_nodes = [&](const View<double* [3]>& quantity)
   {
     const NodalVector momentum = system.make_nodal_vector();
     add_particle_momentum(particles, stencils, quantity, momentum);
     TpetraVector right_side(system.graph().row_map);
     system.collect(momentum, right_side);
-    return divide_by_mass(right_side, graph, motion.mass, system);
+    return project(right_side, graph, motion.mass, system);
   };
-  motion.velocity = project(particles.velocity);
-  motion.acceleration = with_acceleration ? project(particles.acceleration) : system.make_nodal_vector();
+  motion.velocity = project_to_nodes(particles.velocity);
+  motion.acceleration = with_acceleration ? project_to_nodes(particles.acceleration) : system.make_nodal_vector();
   return motion;
 }
 

@@ -254,8 +254,8 @@ template <int dim> void ImplicitStep<dim>::find_first_acceleration()
   residual(*increment, force);
   force.scale(-1.);
   NodalMotion motion = equations->motion();
-  const auto divide = context.solver.ghost_factor_mass > 0. ? divide_by_mass : find_accelerations;
-  motion.acceleration = divide(*rigid_unknowns->nodal(force), equations->mass_graph(), motion.mass, system());
+  motion.acceleration = find_accelerations(*rigid_unknowns->nodal(force), equations->mass_graph(), motion.mass,
+                                           system(), context.solver.ghost_factor_mass > 0.);
   equations->set_motion(motion);
   load = first;
   equations->set_newmark(load.newmark);

@@ -32,17 +32,13 @@ struct NodalMotion
   NodalVector velocity, acceleration; ///< m/s; m/s2, 0 where no step depends on it
 };
 
-/// M^-1 b on all local nodes; M couples nodes as `graph` says, which may be a local one. Constrained dofs of `system`
-/// become zero, also in b. Throws SolverError if the system cannot be solved. Collective.
-NodalVector divide_by_mass(TpetraVector& right_side, const NodeGraph& graph, const NodalMass& mass,
-                           const System& system);
-
-/// The accelerations that forces b give the nodes at rest, on all local nodes: near to M^-1 b, and exactly that where
-/// all nodes move alike. M^-1 itself makes immense accelerations of what a step leaves unbalanced at nodes into whose
-/// cells soil reaches by a hair: by a share e of a box, their force is of order e or e^2 and their mass of e^4. M has
-/// no ghost mass; with it divide_by_mass() will do. Collective.
+/// The accelerations that forces (N) give the nodes at rest, on all local nodes: M^-1 b, or near to it without ghost
+/// mass, and exactly that where all nodes move alike. M couples nodes as `graph` says, which may be a local one.
+/// Constrained dofs of `system` become zero, also in the forces. M^-1 itself makes immense accelerations of what a step
+/// leaves unbalanced at nodes into whose cells soil reaches by a hair: by a share e of a box, their force is of order e
+/// and their mass of e^4. Throws SolverError if the system cannot be solved. Collective.
 NodalVector find_accelerations(TpetraVector& forces, const NodeGraph& graph, const NodalMass& mass,
-                               const System& system);
+                               const System& system, bool has_ghost_mass);
 
 /// Projects the particles' velocity and, if asked to, acceleration (else 0): M v = sum of m S v_p, M coupling nodes as
 /// `graph` says. Throws SolverError if the system cannot be solved. Collective.

@@ -36,6 +36,15 @@ def push_error(run):
     return max(np.max(np.abs(along)), np.max(np.abs(run.body("body3_reaction force_z")[moving] - weight)))
 
 
+def tip_error(run):
+    """Relative error of the largest displacement of a bar under a sudden body force, at a time when it is twice the
+    static one."""
+    length, layer = run.input["material points"]["material size"]["max"][0], run.input["material points"]["layers"][0]
+    material, force = layer["material"], run.input["domain"]["body force"]["expression"][0]
+    static = material["density"] * force * length**2 / (2. * material["E"])
+    return abs(np.max(run.points("displacement_x")) / (2. * static) - 1.)
+
+
 def drift_error(run):
     """Largest error of a displacement of soil that keeps its velocity, m."""
     time = run.input["analysis"][0]["final time"]
