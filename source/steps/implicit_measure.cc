@@ -62,17 +62,21 @@ template <int dim> std::string ImplicitStep<dim>::refusal_of_leap() const
     return "";
   const BodyLoads loads = body_loads();
   const double cell = cell_size_at_surfaces(context.stage.adaptivity, context.soil.mesh().layout().base_size);
-  double farthest = 0.;
-  const std::vector<bool> carried = context.soil.contact().points_that_press(context.bodies);
+  std::vector<double> distance; // by free dofs, in cells
   for (std::size_t i = 0; i < loads.size(); ++i)
   {
-    const Vector6 chosen = body_increments[i] - load.body_increments[i]; // of the free dofs
-    if (carried[i] && !loads[i].isZero())
-      farthest = std::max({farthest, chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm()});
+    const Vector6 chosen = body_increments[i] - load.body_increments[i];
+    const double farthest = std::max(chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm());
+    distance.push_back(loads[i].isZero() ? 0. : farthest / cell);
   }
-  return farthest > farthest_in_contact * cell
-             ? fmt::format("a free body that the soil carries moved by {:.2g} cells", farthest / cell)
-             : "";
+  const auto leaps = [](const double cells) { return cells > farthest_in_contact; };
+  if (std::none_of(distance.begin(), distance.end(), leaps)) // nearly always, and no rank need ask the others
+    return "";
+  const std::vector<bool> carried = context.soil.contact().points_that_press(context.bodies);
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    if (carried[i] && leaps(distance[i]))
+      return fmt::format("a free body that the soil carries moved by {:.2g} cells", distance[i]);
+  return "";
 }
 
 /// Of a residual that was evaluated last.
@@ -80,8 +84,9 @@ template <int dim> double ImplicitStep<dim>::measure(const TpetraVector& r) cons
 {
   const bool by_weight = context.solver.measures_by_weight();
   const auto nodal = rigid_unknowns->nodal(r);
-  const double size = nodal->norm2();
-  const double soil = !by_weight ? force_measure.of(*nodal) : size > 0. ? size / weight_norm : 0.;
+  double soil = by_weight ? nodal->norm2() : force_measure.of(*nodal);
+  if (by_weight && soil > 0.) // there may be no soil, and no weight of it
+    soil /= weight_norm;
   if (rigid_unknowns->empty())
     return soil;
   const double bodies = rigid_unknowns->measure(balance, body_scale);
