@@ -170,18 +170,15 @@ template <int dim> struct PathKernel
   /// Adds V tau grad_x S, as add_internal_force() does.
   KEDGE_FUNCTION void add_force(const unsigned int p, const SymmetricTensor& stress) const
   {
-    // Columns in registers: what is written number by number and read as a vector has to wait for its writing.
+    // Columns as sums of unit vectors stay in registers: what is written number by number and read as a vector has to
+    // wait for its writing.
+    constexpr int entry[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     Packet tau[dim], flux[dim];
-    if constexpr (dim == 3)
+    for (int j = 0; j < dim; ++j)
     {
-      tau[0] = Packet(stress[0], stress[3], stress[5], 0.);
-      tau[1] = Packet(stress[3], stress[1], stress[4], 0.);
-      tau[2] = Packet(stress[5], stress[4], stress[2], 0.);
-    }
-    else
-    {
-      tau[0] = Packet(stress[0], stress[3]);
-      tau[1] = Packet(stress[3], stress[1]);
+      tau[j] = stress[entry[j][0]] * Packet::Unit(0);
+      for (int i = 1; i < dim; ++i)
+        tau[j] += stress[entry[j][i]] * Packet::Unit(i);
     }
     for (int j = 0; j < dim; ++j)
     {
