@@ -11,8 +11,7 @@ template <int dim> struct DeformationKernel
   StencilSet stencils;
   View<double*> increment;
 
-  /// So many particles find their principal frames together, on the host in the lanes of vector registers.
-  static constexpr int width = dim == 3 && device_is_host ? 8 : 1;
+  static constexpr int width = dim == 3 ? points_together : 1;
 
   KEDGE_FUNCTION void operator()(const std::size_t batch) const
   {

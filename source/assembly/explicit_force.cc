@@ -9,8 +9,9 @@ namespace kedge
 namespace
 {
 using Eigen::Matrix3d;
+using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Follows the path with one group of particles after the other, so that what they share is in the nearest cache.
+/// Follows the path with some cells after the other, so that what they share is in the nearest cache.
 template <int dim> struct PathKernel
 {
   ParticleArrays particles;
@@ -23,50 +24,76 @@ template <int dim> struct PathKernel
   static constexpr int packed = packed_components(dim);
   using Packet = Eigen::Matrix<double, packed, 1>;
 
-  /// So many particles find their stresses together, on the host in the lanes of vector registers: those of a cell.
-  static constexpr int width = device_is_host ? 1 << dim : 1;
+  static constexpr int width = points_together;
+  /// So many cells are followed together: many enough to leave few lanes empty, few enough to stay in the cache.
+  static constexpr int block = device_is_host ? 16 : 1;
 
-  /// Returns the number of inadmissible particles of a cell. The others share the mean J and the mean pressure.
-  KEDGE_FUNCTION unsigned long follow_cell(const unsigned int c) const
+  /// Returns the number of inadmissible particles of a block of cells. The others share the mean J and the mean
+  /// pressure of their cell.
+  KEDGE_FUNCTION unsigned long follow_block(const unsigned int first) const
+  {
+    const unsigned int last = first + block < cells.n_cells() ? first + block : cells.n_cells();
+    const unsigned int begin = cells.particle_begin(first), end = cells.particle_begin(last);
+    for (unsigned int c = first; c < last; ++c)
+      find_volume_change(c);
+    for (unsigned int p = begin; p < end; p += width)
+      share_volume(p, end - p < width ? end - p : width);
+    unsigned long inverted = 0;
+    for (unsigned int p = begin; p < end; p += width)
+      inverted += advance(p, end - p < width ? end - p : width);
+    for (unsigned int c = first; c < last; ++c)
+      add_force_of_cell(c);
+    return inverted;
+  }
+
+  /// Writes the mean J of a cell to the volume factors of its particles.
+  KEDGE_FUNCTION void find_volume_change(const unsigned int c) const
   {
     const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
-    double before = 0., after = 0., stress = 0.;
+    double before = 0., after = 0.;
     for (unsigned int p = begin; p < end; ++p)
     {
       const double J = deform(p), volume = integration_volume(particles, stencils, p);
       before += J > 0. ? volume : 0.;
       after += J > 0. ? volume * J : 0.;
     }
-    for (unsigned int p = begin; p < end; p += width)
-      share_volume(p, end - p < width ? end - p : width, after / before);
-    unsigned long inverted = 0;
-    for (unsigned int p = begin; p < end; p += width)
-      inverted += advance(p, end - p < width ? end - p : width);
-    if (inverted > 0)
-      return inverted;
     for (unsigned int p = begin; p < end; ++p)
-      stress += integration_volume(particles, stencils, p) * mean_stress<dim>(row_of(particles.trial_stress, p));
+      cells.volume_factor(p) = after / before;
+  }
+
+  /// Of a cell whose particles are all admissible, each with the cell's pressure.
+  KEDGE_FUNCTION void add_force_of_cell(const unsigned int c) const
+  {
+    const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
+    double after = 0., stress = 0.;
+    for (unsigned int p = begin; p < end; ++p)
+    {
+      if (!(path.volume_change(p) > 0.))
+        return;
+      const double volume = integration_volume(particles, stencils, p);
+      after += volume * path.volume_change(p);
+      stress += volume * mean_stress<dim>(row_of(particles.trial_stress, p));
+    }
     for (unsigned int p = begin; p < end; ++p)
     {
       cells.pressure(p) = stress / after;
       add_force(p, with_mean_stress<dim>(row_of(particles.trial_stress, p), path.volume_change(p) * cells.pressure(p)));
     }
-    return 0;
   }
 
-  /// Stretches n <= width particles from the first one on to the volume change J of their cell.
-  KEDGE_FUNCTION void share_volume(const unsigned int first, const unsigned int n, const double J) const
+  /// Makes a stretch of the mean J of the cell in the volume factors of n <= width particles from the first one on.
+  KEDGE_FUNCTION void share_volume(const unsigned int first, const unsigned int n) const
   {
     Eigen::Array<double, width, 1> factor = Eigen::Array<double, width, 1>::Ones();
     for (unsigned int i = 0; i < n; ++i)
       if (const double own = path.volume_change(first + i); own > 0.)
-        factor[i] = J / own;
+        factor[i] = cells.volume_factor(first + i) / own;
     factor = ((1. / dim) * factor.log()).exp(); // one root is slower than four of these in a vector
     for (unsigned int i = 0; i < n; ++i)
       cells.volume_factor(first + i) = factor[i];
   }
 
-  /// The same for `width` particles by themselves.
+  /// Returns the number of inadmissible ones of `width` particles by themselves.
   KEDGE_FUNCTION unsigned long follow_batch(const unsigned int first) const
   {
     const unsigned int rest = particles.n - first, n = rest < width ? rest : width;
@@ -217,10 +244,10 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
                                        const Materials& materials, const NodalVector& increment,
                                        const ParticlePath& path, const NodalVector& force, const CellGroups& cells)
 {
-  constexpr int packed = packed_components(dim), width = PathKernel<dim>::width;
+  constexpr int packed = packed_components(dim), width = PathKernel<dim>::width, block = PathKernel<dim>::block;
   const std::size_t n_nodes = path.increment.extent(0) / packed; // that particles see; the vectors may have more
   Kokkos::parallel_for(
-      "pack", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
+      "pack", Policy(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
         for (int i = 0; i < packed; ++i)
         {
           path.increment(packed * v + i) = i < dim ? increment(dim * v + i) : 0.;
@@ -231,16 +258,16 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
   unsigned long n_inverted = 0;
   if (cells.empty())
     Kokkos::parallel_reduce(
-        "follow path", Kokkos::RangePolicy<ExecutionSpace>(0, (particles.n + width - 1) / width),
+        "follow path", Policy(0, (particles.n + width - 1) / width),
         KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) { inverted += kernel.follow_batch(width * i); },
         n_inverted);
   else
     Kokkos::parallel_reduce(
-        "follow path by cell", Kokkos::RangePolicy<ExecutionSpace>(0, cells.n_cells()),
-        KOKKOS_LAMBDA(const unsigned int c, unsigned long& inverted) { inverted += kernel.follow_cell(c); },
+        "follow path by cell", Policy(0, (cells.n_cells() + block - 1) / block),
+        KOKKOS_LAMBDA(const unsigned int i, unsigned long& inverted) { inverted += kernel.follow_block(block * i); },
         n_inverted);
   Kokkos::parallel_for(
-      "unpack", Kokkos::RangePolicy<ExecutionSpace>(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
+      "unpack", Policy(0, n_nodes), KOKKOS_LAMBDA(const std::size_t v) {
         for (int i = 0; i < dim; ++i)
           force(dim * v + i) += path.force(packed * v + i);
       });
@@ -251,7 +278,7 @@ void add_lumped_mass(const ParticleArrays& particles, const StencilSet& stencils
                      const View<double*>& mass)
 {
   Kokkos::parallel_for(
-      "lumped mass", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
+      "lumped mass", Policy(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
         const ParticleNodes at = nodes_of(stencils, p);
         for (unsigned int v = 0; v < at.n; ++v)
           if (at.value[v] > 0.)
@@ -265,7 +292,7 @@ double largest_squared_frequency(const ParticleArrays& particles, const StencilS
   double largest = 0.;
   const unsigned int dim = stencils.dim;
   Kokkos::parallel_reduce(
-      "stable step", Kokkos::RangePolicy<ExecutionSpace>(0, particles.n),
+      "stable step", Policy(0, particles.n),
       KOKKOS_LAMBDA(const unsigned int p, double& most) {
         const HenckyElasticity elasticity = materials(particles.layer(p)).elasticity(particles.young(p));
         const ParticleNodes at = nodes_of(stencils, p);

@@ -16,8 +16,7 @@ template <int dim> struct StressKernel
   View<double*> factor, pressure; ///< F-bar's, by particle; empty without it
   View<double*> force;
 
-  /// So many particles find their stresses together, on the host in the lanes of vector registers.
-  static constexpr int width = device_is_host ? 8 : 1;
+  static constexpr int width = points_together;
 
   KEDGE_FUNCTION void operator()(const std::size_t batch, unsigned long& inverted) const
   {

@@ -5,6 +5,10 @@
 
 namespace kedge
 {
+/// So many points find their frames and stresses together, on the host in the lanes of two of the longest vector
+/// registers: one computes while the other waits for its last result.
+constexpr int points_together = device_is_host ? 16 : 1;
+
 // a false alarm of GCC 12 about its own AVX-512 intrinsics, bug 105593
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wuninitialized"

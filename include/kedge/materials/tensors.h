@@ -67,7 +67,8 @@ KEDGE_FUNCTION SymmetricTensor push_forward(const Eigen::Matrix3d& f, const Symm
 
 /// Sum over m of values[m] n_m n_m^T, with n_m the columns of `directions`. Inline, so that loops over lanes become
 /// vectors.
-KOKKOS_FORCEINLINE_FUNCTION SymmetricTensor from_principal(const Eigen::Vector3d& values, const Eigen::Matrix3d& directions)
+KOKKOS_FORCEINLINE_FUNCTION SymmetricTensor from_principal(const Eigen::Vector3d& values,
+                                                           const Eigen::Matrix3d& directions)
 {
   const auto entry = [&](const int i, const int j)
   {
