@@ -28,8 +28,8 @@ template <int dim> struct PathKernel
   /// So many cells are followed together: many enough to leave few lanes empty, few enough to stay in the cache.
   static constexpr int block = device_is_host ? 16 : 1;
 
-  /// Returns the number of inadmissible particles of a block of cells. The others share the mean J and the mean
-  /// pressure of their cell.
+  /// Returns the number of inadmissible particles of a block of cells. The others share the mean J of their cell and,
+  /// where all of it are admissible, its mean pressure.
   KEDGE_FUNCTION unsigned long follow_block(const unsigned int first) const
   {
     const unsigned int last = first + block < cells.n_cells() ? first + block : cells.n_cells();
@@ -61,7 +61,7 @@ template <int dim> struct PathKernel
       cells.volume_factor(p) = after / before;
   }
 
-  /// Of a cell whose particles are all admissible, each with the cell's pressure.
+  /// Adds the forces of a cell's particles, each with the cell's pressure; none where one of them is inadmissible.
   KEDGE_FUNCTION void add_force_of_cell(const unsigned int c) const
   {
     const unsigned int begin = cells.particle_begin(c), end = cells.particle_begin(c + 1);
@@ -81,7 +81,7 @@ template <int dim> struct PathKernel
     }
   }
 
-  /// Makes a stretch of the mean J of the cell in the volume factors of n <= width particles from the first one on.
+  /// Turns the mean J in the volume factors of n <= width particles from the first one on into what stretches their dF.
   KEDGE_FUNCTION void share_volume(const unsigned int first, const unsigned int n) const
   {
     Eigen::Array<double, width, 1> factor = Eigen::Array<double, width, 1>::Ones();

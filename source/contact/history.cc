@@ -95,8 +95,8 @@ template <int dim> void Contact<dim>::follow_particles(const std::vector<long lo
 template <int dim> ContactRecord Contact<dim>::to_record(const ContactKey& key, const ContactHistory& state)
 {
   const Eigen::Vector3d& t = state.tangential;
-  return {key.particle,        key.corner,       key.surface,  {t[0], t[1], t[2]},
-          state.reference_gap, state.multiplier, state.bonded, state.pressure};
+  return {key.particle,     key.corner,   key.surface,    {t[0], t[1], t[2]}, state.reference_gap,
+          state.multiplier, state.bonded, state.pressure, state.farthest_off};
 }
 
 template <int dim> void Contact<dim>::enter(const ContactRecord& record)
@@ -107,6 +107,7 @@ template <int dim> void Contact<dim>::enter(const ContactRecord& record)
   state.multiplier = record.multiplier;
   state.bonded = record.bonded != 0;
   state.pressure = record.pressure;
+  state.farthest_off = record.farthest_off;
 }
 
 template <int dim> std::vector<ContactRecord> Contact<dim>::export_history() const

@@ -129,7 +129,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   std::array<std::optional<ContactHistory>, n_places<dim>> at_place; // all but forces
   for (unsigned int place = 0; place < n_places<dim>; ++place)
   {
-    double known_share = 0., bonded_share = 0., reference_gap = 0.;
+    double known_share = 0., bonded_share = 0., reference_gap = 0., farthest_off = 0.;
     unsigned int n_contributing = 0;
     for (std::uint32_t from = 0; from < n; ++from)
     {
@@ -140,6 +140,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
       known_share += share;
       bonded_share += parent[from]->bonded ? share : 0.;
       reference_gap += share * parent[from]->reference_gap;
+      farthest_off += share * parent[from]->farthest_off;
     }
     // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
     bonded[place] = bonded_share == 1. && n_contributing < n;
@@ -150,7 +151,10 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
     ContactHistory& state = at_place[place].emplace();
     state.bonded = bonded[place];
     if (state.bonded || presses[place])
+    {
       state.reference_gap = reference_gap / known_share;
+      state.farthest_off = farthest_off / known_share;
+    }
     else // pushes no sooner than at the surface, nor at once
       state.reference_gap = std::min(0., gap[place]);
   }

@@ -24,8 +24,8 @@ constexpr double bonding_distance = 0.5 - 1e-6;
 
 /// How far from a surface a reference gap may wander, in sizes of the particle. Beyond, the box counts.
 constexpr double farthest_reference = 0.25;
-/// The same for corners off the surface that are not bonded.
-constexpr double farthest_off = 0.02;
+/// The same for corners off the surface that are not bonded and have not carried from farther off.
+constexpr double hardly_off = 0.02;
 
 /// Springs and limits of a corner that stands for its share of a face of its particle (size: m, young: Pa).
 template <int dim>
@@ -116,7 +116,7 @@ template <int dim> void Contact<dim>::settle(ContactPair& pair, const RigidSyste
   const double balancing = carries ? closest->gap + (state.pressure - state.multiplier) / pair.stiffness.normal
                                    : std::min(first, closest->gap);
   // a corner that its box has drawn off the surface hardly presses: at edges such ones would drag soil along
-  const double off = state.bonded ? limit : farthest_off * pair.size;
+  const double off = state.bonded ? limit : std::max(hardly_off * pair.size, state.farthest_off);
   state.reference_gap = std::clamp(balancing, std::min(first, -limit), std::max(first, off));
 }
 

@@ -9,12 +9,15 @@ namespace
 {
 using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// What a metre of a body's motion takes off the reference gaps of corners that were inside it at the start: over four
-/// times their depth they fade, slowly enough for the soil to give way.
+/// What a metre of a body's motion across its surface takes off the reference gap of a corner: over four times its size
+/// it fades, slowly enough for the soil to give way.
 constexpr double fading_per_distance = 0.25;
 
-/// Motion whose part out of the soil is below this share goes along it: round-off must not choose.
-constexpr double along = 1e-9;
+/// A surface goes on around a corner if its normal, half a size away, has turned by no more than this cosine tells.
+constexpr double goes_on = 0.9;
+
+/// In sizes of the particle: far more than round-off and far less than what matters.
+constexpr double aside = 1e-6;
 
 /// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
 /// there is what the last solution has left of the distance.
@@ -81,22 +84,51 @@ KEDGE_FUNCTION bool find_closest(ContactPair& pair, const SurfaceMotion& surface
   return true;
 }
 
-/// Lets the true surface come to meet the soil while the body moves; `carried` is where the body takes the place of the
-/// corner's start, m.
-///
-/// Where the step follows a path, what has faded does not come back where the body does, and soil is only pressed
-/// harder where the body comes towards it: boxes draw their corners off the surface and back while soil yields and
-/// springs back, and a surface that came after them one step late would drive a body that bounces.
-KEDGE_FUNCTION void fade(ContactPair& pair, const Eigen::Vector3d& carried)
+/// Finds which way the surface faces a corner at its start, and whether it goes on around it.
+KEDGE_FUNCTION void look_around(ContactPair& pair, const SurfaceMotion& surface)
 {
-  const Eigen::Vector3d motion = carried - pair.start - pair.carry_begin;
-  const double first = pair.committed.reference_gap + pair.faded, side = first < 0. ? 1. : -1.;
-  const bool counts = !pair.on_path || first > 0. || pair.normal.dot(motion) >= -along * motion.norm();
-  const double distance = counts ? motion.norm() : 0.;
-  pair.carried = carried;
-  pair.reference_gap = side * smaller(0., side * first + fading_per_distance * distance);
-  if (pair.reference_gap != 0. && distance > 0.)
-    pair.fading = side * fading_per_distance / distance * motion;
+  // a little aside: round-off must not choose between sides that are equally near
+  const Eigen::Vector3d x = surface.before.to_body(pair.start) + aside * pair.size * Eigen::Vector3d(0.61, 0.37, 0.7);
+  const auto normal_at = [&](const Eigen::Vector3d& place) -> Eigen::Vector3d
+  {
+    KnownDistance nothing;
+    ClosestPoint closest;
+    if (!surface.tree.find_within(place, infinity, nothing, closest))
+      return Eigen::Vector3d::Zero();
+    return std::fabs(closest.gap) < on_surface * pair.size ? closest.pseudo_normal : closest.normal;
+  };
+  const Eigen::Vector3d normal = normal_at(x);
+  const Eigen::Vector3d along[2] = {normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal())};
+  pair.near_edge = false;
+  for (int i = 0; i < 4; ++i)
+    if (normal.dot(normal_at(x + (i < 2 ? 0.5 : -0.5) * pair.size * along[i % 2])) < goes_on)
+      pair.near_edge = true;
+  pair.facing = surface.before.direction_to_world(normal);
+}
+
+/// Lets the true surface take the place of the reference while the body moves; `carried` is where it takes the corner's
+/// start, m. Motion along the surface does not strain the soil across it and leaves the reference as it is; but where
+/// the surface ends, a corner off it would drag soil along. Soil is only pressed harder where the body comes towards
+/// it: boxes draw their corners off the surface and back while soil yields and springs back, and a surface that came
+/// after them one step late would drive a body that bounces. For the same reason, where a step follows a path, what has
+/// faded does not come back.
+KEDGE_FUNCTION void fade(ContactPair& pair, const SurfaceMotion& surface)
+{
+  if (pair.facing.isZero(0.))
+    look_around(pair, surface);
+  pair.carried = surface.now.to_world(surface.before.to_body(pair.start));
+  const double first = pair.committed.reference_gap, side = first < 0. ? 1. : -1.;
+  const Eigen::Vector3d motion = pair.carried - pair.start - pair.carry_begin;
+  const double approach = pair.facing.dot(motion);
+  const bool any_motion = first > 0. && pair.near_edge;
+  const double distance = any_motion ? motion.norm() : first > 0. ? std::fabs(approach) : larger(0., approach);
+  pair.fading_path = pair.fading_path_begin + distance;
+  pair.reference_gap = side * smaller(0., side * first + fading_per_distance * pair.fading_path);
+  if (pair.reference_gap == 0. || !(distance > round_off * pair.size)) // round-off must not choose a direction
+    return;
+  const double rate = side * fading_per_distance;
+  pair.fading = any_motion ? Eigen::Vector3d(rate / distance * motion)
+                           : Eigen::Vector3d((approach > 0. ? rate : -rate) * pair.facing);
 }
 
 /// Forces and trial history of a pair at its position, its body having moved.
@@ -118,7 +150,7 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   pair.slip = x - before.to_body(pair.start); // as the body sees it
   pair.reference_gap = pair.committed.reference_gap;
   if (!bonded && pair.reference_gap != 0.) // most have none
-    fade(pair, now.to_world(before.to_body(pair.start)));
+    fade(pair, surface);
   // up to where the multiplier and the reference press
   const double held_off = pair.augmented.multiplier / pair.stiffness.normal + larger(0., pair.reference_gap);
   ClosestPoint closest;
@@ -151,6 +183,8 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   // a corner that comes out of its first penetration finds the true surface when it returns
   pair.trial.reference_gap =
       response.active ? pair.reference_gap : smaller(0., larger(pair.reference_gap, closest.gap));
+  pair.trial.farthest_off =
+      response.active ? larger(0., pair.committed.farthest_off - fading_per_distance * pair.fading_path) : 0.;
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && keeps_multipliers)
   {

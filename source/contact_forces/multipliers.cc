@@ -59,8 +59,7 @@ void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
         pairs(k).augmented = pairs(k).committed;
         pairs(k).slip_begin.setZero();
         pairs(k).carry_begin.setZero();
-        pairs(k).faded = 0.;
-        pairs(k).on_path = false;
+        pairs(k).fading_path_begin = 0.;
         pairs(k).on_plane = false;
       });
 }
@@ -95,9 +94,8 @@ void follow_path(const ContactArrays& contact, const std::size_t n_pairs)
         pair.slip_begin = pair.slip;
         if (pair.committed.bonded || pair.committed.reference_gap == 0.)
           return; // nothing fades
-        pair.on_path = true;
         pair.carry_begin = pair.carried - pair.start;
-        pair.faded = pair.reference_gap - pair.committed.reference_gap;
+        pair.fading_path_begin = pair.fading_path;
       });
 }
 

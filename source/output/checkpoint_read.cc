@@ -247,7 +247,8 @@ template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reade
                        value[3],
                        value[4],
                        value[5] != 0.,
-                       value[6]});
+                       value[6],
+                       value[7]});
   }
   soil.contact.import_history(records, all_ids(soil.particles));
 }

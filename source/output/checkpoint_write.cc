@@ -99,6 +99,7 @@ template <int dim> void write_contact(const Contact<dim>& contact, Hdf5Writer& f
     values.push_back(record.multiplier);
     values.push_back(record.bonded);
     values.push_back(record.pressure);
+    values.push_back(record.farthest_off);
   }
   file.write_rows("contact keys", keys, contact_key_width);
   file.write_rows("contact", values, contact_width);

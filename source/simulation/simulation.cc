@@ -312,8 +312,7 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
 
 template <int dim> StepLoad Simulation<dim>::load_at(const Clock& clock) const
 {
-  return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0,
-                        stage_number > 0 && input.stages[stage_number - 1].stepping.type == StageType::dynamic);
+  return kedge::load_at(clock, *stage, bodies, log.steps_in_stage() == 0);
 }
 
 /// Makes the trial state of soil and bodies the committed one.

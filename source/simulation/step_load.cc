@@ -10,8 +10,7 @@ constexpr double least_share_balanced = 1. / 64.;
 constexpr unsigned int most_trials = 30;
 } // namespace
 
-StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, const bool first,
-                 const bool after_dynamics)
+StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, const bool first)
 {
   const SteppingParameters& stepping = stage.stepping;
   StepLoad load;
@@ -22,7 +21,6 @@ StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bod
   load.newmark = {stepping.beta, stepping.gamma,
                   stepping.type == StageType::dynamic ? clock.step_fraction() * stepping.dt : 0.};
   load.begins_stage = first;
-  load.finds_acceleration = first && !after_dynamics;
   for (const RigidPoint& point : bodies.points)
     load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
   return load;
@@ -31,7 +29,7 @@ StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bod
 bool balance_in_parts(const Clock& clock, const Stage& stage, const RigidSystems& bodies,
                       const std::function<bool(const StepLoad&)>& attempt)
 {
-  StepLoad load = load_at(clock, stage, bodies, false, true);
+  StepLoad load = load_at(clock, stage, bodies, false);
   if (stage.stepping.load == GravityLoad::ramp)
     load.gravity_factor = clock.steps_done() / clock.requested_steps();
   load.end_time = load.start_time;

@@ -22,8 +22,9 @@ constexpr double much_better = 0.1, kept_of_rest = 0.8;
 /// it: a small force that each of them may neglect would never move anything. So only round-off may be left.
 constexpr double at_rest_in_motion = 1e-10;
 
-/// Of the momentum over the time step: what counts as a force where no other acts, as in soil that drifts.
-constexpr double far_above_round_off = 1e-10;
+/// Of the momentum over the time step: what counts as a force where no other acts, as in soil that drifts, and what is
+/// round-off, of which the tolerance must not ask less.
+constexpr double far_above_round_off = 1e-10, round_off = 1e-14;
 
 /// One solution after another of the same step.
 void append(NewtonReport& report, const NewtonReport& next)
@@ -98,7 +99,8 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
                                        equations->mass_graph(), system()));
   const NodalVector drift = system().make_nodal_vector();
   add_particle_momentum(particles, basis.stencils, particles.velocity, drift);
-  KokkosBlas::scal(drift, far_above_round_off / stepping.dt, drift);
+  const double counts = std::max(far_above_round_off, round_off / context.solver.force_tolerance);
+  KokkosBlas::scal(drift, counts / stepping.dt, drift);
   add_force_sizes(dim, drift, given_sizes);
 }
 
@@ -152,8 +154,9 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
 {
   load = load_;
   equations->set_newmark(load.newmark);
+  context.soil.contact().reset_multipliers(); // after a cut
   find_body_force();
-  if (load.newmark.is_dynamic() && load.finds_acceleration)
+  if (load.newmark.is_dynamic() && load.begins_stage)
     find_first_acceleration();
   body_force = last_body_force;
   NewtonProblem problem;
@@ -169,7 +172,6 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
   problem.suffices = [this](const TpetraVector& r) { return carries_bodies(r); };
   if (load.newmark.is_dynamic())
     problem.solved_at_start = at_rest_in_motion;
-  context.soil.contact().reset_multipliers();
   keep_unbalanced();
   const Start start = choose_start(problem);
   NewtonReport report = solve_newton(problem, *increment, context.solver, start.known, load.history);

@@ -24,9 +24,10 @@ struct ContactHistory
 {
   Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
   double reference_gap = 0.;                            ///< m
-  double multiplier = 0.;                               ///< of the normal force, N
-  bool bonded = false;                                  ///< also carries tension
-  double pressure = 0.;                                 ///< normal force, N; below 0 only where bonded
+  double farthest_off = 0.; ///< that the reference may come off the surface, m: where it has been, less what has faded
+  double multiplier = 0.;   ///< of the normal force, N
+  bool bonded = false;      ///< also carries tension
+  double pressure = 0.;     ///< normal force, N; below 0 only where bonded
 };
 
 struct ContactPair
@@ -42,11 +43,12 @@ struct ContactPair
   ContactHistory augmented, proposed;
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance in the last evaluation
   double reference_gap = 0.;                             ///< in the last evaluation: faded
+  double fading_path = 0., fading_path_begin = 0.;       ///< what it fades with, m; the same at the last follow_path()
+  Eigen::Vector3d facing = Eigen::Vector3d::Zero();      ///< out of the body at `start`; zero while nobody has asked
+  bool near_edge = false;                                ///< the surface turns within half a size from `start`
   Eigen::Vector3d fading = Eigen::Vector3d::Zero();      ///< d reference gap / d place of the body
   Eigen::Vector3d carried = Eigen::Vector3d::Zero();     ///< the corner's start, moved with the body, m
   Eigen::Vector3d carry_begin = Eigen::Vector3d::Zero(); ///< `carried` less `start` at the last follow_path(), m
-  double faded = 0.;                                     ///< of the reference gap by then, m
-  bool on_path = false;                                  ///< there was a follow_path() in this step
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< out of the body, in the last evaluation
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();        ///< in the last evaluation, in the body's frame, m
   Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero();  ///< what the tangential force in use belongs to, so too

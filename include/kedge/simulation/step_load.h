@@ -7,9 +7,8 @@
 
 namespace kedge
 {
-/// The load of the clock's step. `first`: of the stage; `after_dynamics`: that before was dynamic, so that material
-/// points know their accelerations.
-StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, bool first, bool after_dynamics);
+/// The load of the clock's step. `first`: of the stage.
+StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bodies, bool first);
 
 /// A new mesh, split points or a new basis leave forces at the start of a step that nothing balances. No cut of the
 /// load makes them smaller, but they can be balanced part by part, with bodies and load as they are at the clock's

@@ -46,8 +46,7 @@ struct StepLoad
   double share_balanced = 1.;            ///< of the forces that nothing balances at the start (static steps)
   Newmark newmark;                       ///< with a dt of 0 in static and explicit stages
   NewtonHistory history;                 ///< of the steps before
-  bool finds_acceleration = false;       ///< the first acceleration follows from the forces, not from the particles
-  bool begins_stage = false;             ///< those of the bodies are not known: other dofs may have become free
+  bool begins_stage = false;             ///< accelerations follow from the forces: other dofs may have become free
   std::vector<Vector6> body_increments;  ///< prescribed, per rigid point, of the whole (possibly cut) step
 };
 

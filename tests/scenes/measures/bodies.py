@@ -33,3 +33,21 @@ def stress_spread(run):
     """Largest less smallest vertical stress at the end, over its mean."""
     stress = run.points("stress_zz")
     return np.ptp(stress) / abs(np.mean(stress))
+
+
+def wall_friction_error(run):
+    """Largest relative error of the force along a wall in the ground that slides along itself, from the second step on:
+    the soil's horizontal stress at rest on both faces times the friction."""
+    given = run.input["material points"]
+    layer = given["layers"][0]
+    overburden = layer["material"]["density"] * -run.input["domain"]["gravity"][1] * layer["thickness"]
+    friction = run.input["contact"]["friction coefficient"]
+    exact = friction * given["initial stress"]["K0"] * overburden * layer["thickness"]
+    force = -run.body("body1_reaction force_z")[1:]
+    return np.max(np.abs(force / exact - 1.))
+
+
+def reaction_growth(run):
+    """Mean vertical force on the first body over the second half of the run, over the first force, less 1."""
+    force = run.body("body1_reaction force_z")
+    return abs(np.mean(force[len(force) // 2:]) / force[0] - 1.)

@@ -34,3 +34,10 @@ def body_acceleration_error(run):
     moved = run.body("time") > 0.
     return max(np.max(np.abs(run.body(f"body1_acceleration_{axis}")[moved] - gravity))
                for axis, gravity in zip("xz", _gravity(run)))
+
+
+def release_error(run):
+    """Error of the soil's mean velocity at the end, where the last stage has let it go from rest, m/s."""
+    time = run.input["analysis"][-1]["final time"]
+    return max(abs(np.mean(run.points(f"velocity_{axis}")) - time * gravity)
+               for axis, gravity in zip("xz", _gravity(run)))

@@ -89,6 +89,38 @@ TYPED_TEST(ExplicitForce, OneIncrementLeavesTheStateOfTheImplicitStep)
     ASSERT_NEAR(found(p, 0), expected[p], 1e-12);
 }
 
+/// Lanes go across cells: one with an inverted particle must not disturb the others.
+TYPED_TEST(ExplicitForce, CountsInvertedParticlesOfCellsThatShareTheirVolume)
+{
+  constexpr int dim = TypeParam::value;
+  const test::Block<dim> block(test::soil_material<MohrCoulomb>());
+  const ParticleArrays& arrays = block.particles.arrays();
+  const auto system = block.parts->make_system();
+  const auto pulled = [](const std::array<double, dim>& x, const unsigned int d)
+  {
+    double distance = 0.;
+    for (const double y : x)
+      distance += std::abs(y - 0.3);
+    return d == 0 && distance < 1e-9 ? 3. : 0.;
+  };
+  const NodalVector increment = system->spread(block.parts->owned(*system, pulled));
+  const auto follow = [&](const CellGroups& cells)
+  {
+    const NodalVector force = system->make_nodal_vector();
+    const ParticlePath path = begin_path(arrays, dim, block.parts->nodes.n_local());
+    const unsigned long inverted =
+        advance_stress_and_force<dim>(arrays, block.parts->stencils, block.materials, increment, path, force, cells);
+    for (const double f : download(force))
+      EXPECT_TRUE(std::isfinite(f));
+    return inverted;
+  };
+  const unsigned long expected = follow({});
+  EXPECT_EQ(follow(block.parts->cells), expected);
+  EXPECT_GT(sum_over_ranks(static_cast<long long>(expected), MPI_COMM_WORLD), 0);
+  for (const double factor : download(block.parts->cells.volume_factor))
+    EXPECT_TRUE(std::isfinite(factor) && factor > 0.);
+}
+
 /// To and fro: each increment goes on from the state that the last one left.
 TYPED_TEST(ExplicitForce, TheStateFollowsThePath)
 {

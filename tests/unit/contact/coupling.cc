@@ -139,9 +139,10 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
 
 TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBodyWhileReferencesFade)
 {
-  // below and above the surface
-  for (const double compressed : {5e-3, 2e-2})
+  // below and above the surface, towards the soil and away from it
+  for (const auto& [compressed, share] : {std::pair(5e-3, 1.), {2e-2, 1.}, {2e-2, -0.2}})
   {
+    const Vector6 at = share * motion<TypeParam::value>();
     test::PressedBlock<TypeParam::value> block(0.4, 0.01);
     std::vector<ContactRecord> records;
     block.find_pairs(0.1);
@@ -154,8 +155,8 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBodyWhileReferencesFade)
     }
     block.contact.import_history(records, block.particles.ids());
     block.find_pairs(0.1);
-    compare_by_the_body(block, motion<TypeParam::value>());
-    compare_by_the_soil(block, motion<TypeParam::value>());
+    compare_by_the_body(block, at);
+    compare_by_the_soil(block, at);
   }
 }
 

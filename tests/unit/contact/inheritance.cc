@@ -74,6 +74,29 @@ TYPED_TEST(SplitContact, DoesNotScaleReferenceGaps)
   EXPECT_NEAR(block.contact.deepest_penetration(), 1.25e-3, 1e-12); // it fades by a quarter of the distance
 }
 
+TYPED_TEST(SplitContact, HandsOnHowFarReferencesMayComeOff)
+{
+  typename TestFixture::Block block(0., 1e-3, 1.2);
+  block.find_pairs();
+  block.evaluate_at_rest();
+  block.contact.commit();
+  std::vector<ContactRecord> records = block.contact.export_history();
+  for (ContactRecord& record : records)
+    record.farthest_off = 7e-3;
+  block.contact.import_history(records, block.particles.ids());
+  block.find_pairs();
+  block.evaluate_at_rest();
+  TestFixture::split(block);
+  long long n_pressing = 0;
+  for (const ContactRecord& record : block.contact.export_history())
+    if (record.pressure > 0.)
+    {
+      EXPECT_NEAR(record.farthest_off, 7e-3, 1e-12);
+      ++n_pressing;
+    }
+  EXPECT_GT(sum_over_ranks(n_pressing, MPI_COMM_WORLD), 0);
+}
+
 TYPED_TEST(SplitContact, KeepsTheNormalForceAndItsMoment)
 {
   // a box that covers the surface, one whose ends lie between corners, a turned one

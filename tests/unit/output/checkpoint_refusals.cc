@@ -55,7 +55,7 @@ TYPED_TEST(CheckpointRefusal, FileOfAnotherVersionIsRefused)
   {
     std::string bytes = read_text_file(this->file);
     const std::string version = "Kedge restart file ";
-    bytes[bytes.find(version) + version.size()] = '9';
+    bytes[bytes.find(version) + version.size()] = '0';
     write_text_file(this->file, bytes);
   }
   MPI_Barrier(MPI_COMM_WORLD);

@@ -64,7 +64,8 @@ template <int dim> struct Interrupted : SoilBlock<dim>
                            -noise(id, 4),
                            noise(id, 5),
                            noise(id, 6) < 0.5,
-                           noise(id, 7)});
+                           noise(id, 7),
+                           noise(id, 8)});
     this->contact.import_history(records, this->particles.ids());
 
     for (unsigned int i = 0; i < 2; ++i)

@@ -19,7 +19,7 @@ struct Block : test::FreeBlock
     stage.stepping.type = type;
     stage.stepping.final_time = 1.;
     stage.stepping.basis_step = stage.stepping.dt = dt;
-    load.finds_acceleration = true;
+    load.begins_stage = true;
     if (type == StageType::explicit_)
       stage.stepping.dt = 0.;
   }

@@ -67,7 +67,7 @@ struct FreeBlock : StepFixture<3>
   void commit(const TrialStep<3>& step)
   {
     StepFixture<3>::commit(step);
-    load.finds_acceleration = load.begins_stage = false;
+    load.begins_stage = false;
   }
 
   /// Sum over the particles of all ranks of a vector that a function makes of mass, position and motion.
