@@ -50,6 +50,12 @@ KEDGE_FUNCTION Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
   return closest.normal * closest.normal.transpose();
 }
 
+/// Of the surface, for a corner of a particle of that size.
+KEDGE_FUNCTION Eigen::Vector3d normal_of(const ClosestPoint& closest, const double size)
+{
+  return std::fabs(closest.gap) < on_surface * size ? closest.pseudo_normal : closest.normal;
+}
+
 /// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
 KEDGE_FUNCTION void put_to_rest(const ContactPair& pair, const SurfaceMotion& surface, ContactRest& rest)
 {
@@ -73,8 +79,7 @@ KEDGE_FUNCTION bool find_closest(ContactPair& pair, const SurfaceMotion& surface
   {
     KnownDistance nothing;
     pair.on_plane = surface.tree.find_within(surface.before.to_body(pair.start), infinity, nothing, pair.plane);
-    if (std::fabs(pair.plane.gap) < on_surface * pair.size)
-      pair.plane.normal = pair.plane.pseudo_normal;
+    pair.plane.normal = normal_of(pair.plane, pair.size);
   }
   if (!pair.on_plane)
     return surface.tree.find_within(x, distance, pair.known, closest);
@@ -95,7 +100,7 @@ KEDGE_FUNCTION void look_around(ContactPair& pair, const SurfaceMotion& surface)
     ClosestPoint closest;
     if (!surface.tree.find_within(place, infinity, nothing, closest))
       return Eigen::Vector3d::Zero();
-    return std::fabs(closest.gap) < on_surface * pair.size ? closest.pseudo_normal : closest.normal;
+    return normal_of(closest, pair.size);
   };
   const Eigen::Vector3d normal = normal_at(x);
   const Eigen::Vector3d along[2] = {normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal())};

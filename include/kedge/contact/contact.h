@@ -34,7 +34,7 @@ struct ContactRecord
   double multiplier;        ///< of the normal force, N; 0 with penalties alone
   std::uint64_t bonded;     ///< 1: also carries tension, 0: does not
   double pressure = 0.;     ///< normal force on the soil, N; below 0 only where bonded
-  double farthest_off = 0.; ///< that the reference may come off the surface again, where it has been, m
+  double farthest_off = 0.; ///< that the reference may come off the surface, m
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,
@@ -46,8 +46,7 @@ struct ContactRecord
 ///
 /// Boxes do not deform as the soil does: after a step a corner of the box is not where the soil's motion has taken it.
 /// The gap that a spring refers to makes up for this, and for the stiffness of a child's springs after a split: a step
-/// starts from the forces that the last one has left. While a body moves across its surface, the reference
-/// fades.
+/// starts from the forces that the last one has left. While a body moves across its surface, the reference fades.
 template <int dim> class Contact
 {
 public:
