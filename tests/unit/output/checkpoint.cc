@@ -13,10 +13,9 @@ namespace kedge
 {
 namespace
 {
+using test::checkpointed_input;
 using test::Fresh;
 using test::Interrupted;
-const std::string& input = test::checkpointed_input;
-
 /// The contact history of all ranks, in order.
 template <int dim> std::vector<ContactRecord> history(const Contact<dim>& contact, const MPI_Comm communicator)
 {
@@ -101,7 +100,7 @@ TYPED_TEST(Checkpoint, StateIsTheSameOnAnyNumbersOfRanks)
       Fresh<dim> restored(reading.communicator);
       if (!reading.inside)
         continue;
-      restored.read(this->file, input);
+      restored.read(this->file, checkpointed_input);
 
       const auto contact = history(restored.contact, reading.communicator);
       const auto particles = rows(restored.particles, reading.communicator);
@@ -138,7 +137,7 @@ TYPED_TEST(Checkpoint, EachRankGetsItsOwnCellsBack)
   Interrupted<dim> run(MPI_COMM_WORLD);
   run.write(this->file);
   Fresh<dim> restored(MPI_COMM_WORLD);
-  restored.read(this->file, input);
+  restored.read(this->file, checkpointed_input);
   EXPECT_TRUE(same_bytes(rows(restored.particles, MPI_COMM_SELF), rows(run.particles, MPI_COMM_SELF)));
   EXPECT_EQ(std::multiset<long long>(restored.particles.ids().begin(), restored.particles.ids().end()),
             std::multiset<long long>(run.particles.ids().begin(), run.particles.ids().end()));
@@ -152,7 +151,7 @@ TYPED_TEST(Checkpoint, RestoredRunContinuesLikeTheFirst)
   Interrupted<dim> run(MPI_COMM_WORLD);
   run.write(this->file);
   Fresh<dim> restored(MPI_COMM_WORLD);
-  restored.read(this->file, input);
+  restored.read(this->file, checkpointed_input);
   const auto go_on = [](const SoilParts<dim>& soil)
   {
     soil.particles.carry_through([&] { soil.mesh.triangulation().refine_global(1); });
@@ -171,7 +170,7 @@ TYPED_TEST(Checkpoint, ProgressIsKept)
   Interrupted<dim> run(MPI_COMM_WORLD);
   run.write(this->file);
   Fresh<dim> restored(MPI_COMM_WORLD);
-  restored.read(this->file, input);
+  restored.read(this->file, checkpointed_input);
   const RunProgress& progress = restored.progress;
   EXPECT_EQ(progress.stage, 2u);
   EXPECT_EQ(progress.clock.ticks_per_step, 4096);
@@ -199,7 +198,7 @@ TYPED_TEST(Checkpoint, LostParticlesCountAsDeleted)
   ASSERT_GT(run.particles.n_lost(), 0);
   run.write(this->file);
   Fresh<dim> restored(MPI_COMM_WORLD);
-  restored.read(this->file, input);
+  restored.read(this->file, checkpointed_input);
   EXPECT_EQ(restored.soil.n_deleted(), 4 + run.particles.n_lost());
 }
 
@@ -210,7 +209,7 @@ TYPED_TEST(Checkpoint, NoPredictionStaysNone)
   run.write(this->file);
   Fresh<TypeParam::value> restored(MPI_COMM_WORLD);
   restored.soil.parts().prediction.emplace(1, 1.);
-  restored.read(this->file, input);
+  restored.read(this->file, checkpointed_input);
   EXPECT_FALSE(restored.soil.prediction());
 }
 

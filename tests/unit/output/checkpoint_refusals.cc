@@ -8,9 +8,8 @@ namespace kedge
 {
 namespace
 {
+using test::checkpointed_input;
 using test::Interrupted;
-const std::string& input = test::checkpointed_input;
-
 template <typename Dimension> class CheckpointRefusal : public test::CheckpointTest<Dimension>
 {
 };
@@ -65,7 +64,7 @@ TYPED_TEST(CheckpointRefusal, FileOfAnotherVersionIsRefused)
 TYPED_TEST(CheckpointRefusal, OtherInputIsRefusedByTheNameOfItsKey)
 {
   this->write();
-  std::string other = input;
+  std::string other = checkpointed_input;
   other.replace(other.find("10"), 2, "11");
   try
   {
@@ -81,7 +80,7 @@ TYPED_TEST(CheckpointRefusal, OtherInputIsRefusedByTheNameOfItsKey)
 TYPED_TEST(CheckpointRefusal, OtherOutputIsAccepted)
 {
   this->write();
-  std::string other = input;
+  std::string other = checkpointed_input;
   other.replace(other.find("\"on\""), 4, "\"off\"");
   EXPECT_NO_THROW(this->read(other));
 }

@@ -16,10 +16,10 @@ namespace kedge
 namespace
 {
 using test::everything;
+using test::files_in;
+using test::own;
 using test::Scene;
 using test::TemporaryFolder;
-
-std::string own(const std::string& name) { return std::to_string(rank_of(MPI_COMM_WORLD)) + name; }
 
 /// Until it goes out of scope.
 class LimitOfFiles
@@ -39,14 +39,6 @@ public:
 private:
   rlimit before{};
 };
-
-std::set<std::string> files_in(const std::string& folder)
-{
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
-}
 
 TEST(FullDisk, SummaryTellsItsStatusInTheRoomThatItHas)
 {

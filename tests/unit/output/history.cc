@@ -8,9 +8,8 @@ namespace kedge
 {
 namespace
 {
+using test::own;
 using test::TemporaryFolder;
-
-std::string own(const std::string& name) { return std::to_string(rank_of(MPI_COMM_WORLD)) + name; }
 
 TEST(ParticleCsv, TextIsExact)
 {

@@ -7,6 +7,7 @@
 #include <kedge/base/communication.h>
 #include <kedge/output/text_file.h>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <unistd.h>
@@ -41,6 +42,19 @@ public:
 private:
   std::filesystem::path path;
 };
+
+/// Every rank writes its own file, so that the tests mean the same on any number of them.
+inline std::string own(const std::string& name) { return std::to_string(rank_of(MPI_COMM_WORLD)) + name; }
+
+/// Names of the files in a folder, once all ranks have come so far.
+inline std::set<std::string> files_in(const std::string& folder)
+{
+  MPI_Barrier(MPI_COMM_WORLD);
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
 
 struct Tag
 {

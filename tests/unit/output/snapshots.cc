@@ -12,18 +12,10 @@ namespace kedge
 namespace
 {
 using test::everything;
+using test::files_in;
 using test::Scene;
 using test::TemporaryFolder;
 using Names = std::set<std::string>;
-
-Names files_in(const std::string& folder)
-{
-  MPI_Barrier(MPI_COMM_WORLD);
-  Names names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
-}
 
 /// Names of one series in parallel or not.
 void add_series(Names& names, const std::string& start)

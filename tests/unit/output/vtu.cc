@@ -8,6 +8,7 @@ namespace kedge
 {
 namespace
 {
+using test::own;
 using test::ReadGrid;
 using test::TemporaryFolder;
 using Numbers = std::vector<double>;
@@ -23,9 +24,6 @@ UnstructuredGrid two_triangles()
   grid.cell_data.push_back({"body", 1, std::vector<std::int32_t>{7, -8}});
   return grid;
 }
-
-/// Every rank writes its own file, so that the tests mean the same on any number of them.
-std::string own(const std::string& name) { return std::to_string(rank_of(MPI_COMM_WORLD)) + name; }
 
 TEST(Vtu, GridReadsBack)
 {

@@ -47,7 +47,7 @@ Section<Bicycle> bicycle_section()
   return section;
 }
 
-Bicycle read(const std::string& text, unsigned int dimension = 3)
+Bicycle read_bicycle(const std::string& text, unsigned int dimension = 3)
 {
   InputContext context;
   context.dimension = dimension;
@@ -56,11 +56,11 @@ Bicycle read(const std::string& text, unsigned int dimension = 3)
   return bicycle;
 }
 
-std::string error_of(const std::string& text, unsigned int dimension = 3)
+std::string error_of_bicycle(const std::string& text, unsigned int dimension = 3)
 {
   try
   {
-    read(text, dimension);
+    read_bicycle(text, dimension);
   }
   catch (const InputError& error)
   {
@@ -72,7 +72,7 @@ std::string error_of(const std::string& text, unsigned int dimension = 3)
 
 TEST(Section, FillsMembers)
 {
-  const Bicycle bicycle = read(R"({"kind": "plain", "basket": 0.02, "light": "on", "hub": [1, 2.5, 3],
+  const Bicycle bicycle = read_bicycle(R"({"kind": "plain", "basket": 0.02, "light": "on", "hub": [1, 2.5, 3],
                                    "wheels": [{}, {"radius": 0.25, "spokes": 28}]})");
   EXPECT_EQ(bicycle.kind, "plain");
   EXPECT_EQ(bicycle.basket, 0.02);
@@ -85,14 +85,14 @@ TEST(Section, FillsMembers)
 
 TEST(Section, KeepsDefaultOfStructForAbsentKey)
 {
-  const Bicycle bicycle = read(R"({"kind": "electric", "charge": 5})");
+  const Bicycle bicycle = read_bicycle(R"({"kind": "electric", "charge": 5})");
   EXPECT_FALSE(bicycle.basket.has_value());
   EXPECT_FALSE(bicycle.lit);
 }
 
 TEST(Section, AcceptsCommentAndIgnoredKeyOfAnyType)
 {
-  EXPECT_EQ(error_of(R"({"kind": "electric", "charge": 5, "comment": ["a", 1], "colour": {"r": 1},
+  EXPECT_EQ(error_of_bicycle(R"({"kind": "electric", "charge": 5, "comment": ["a", 1], "colour": {"r": 1},
                          "wheels": [{"comment": "front"}]})"),
             "accepted");
 }
@@ -100,35 +100,38 @@ TEST(Section, AcceptsCommentAndIgnoredKeyOfAnyType)
 TEST(Section, ReadsTwoEntriesOfVectorInTwoDimensions)
 {
   const std::string text = R"({"kind": "electric", "charge": 5, "hub": [1, 2]})";
-  EXPECT_EQ(read(text, 2).hub, (std::array<double, 3>{1., 2., 0.}));
-  EXPECT_EQ(error_of(text, 3), "bicycle.hub: expected a list [x, y, z], each entry a number (m), found a list of 2; "
-                               "correct the value (Place of the hub)");
+  EXPECT_EQ(read_bicycle(text, 2).hub, (std::array<double, 3>{1., 2., 0.}));
+  EXPECT_EQ(error_of_bicycle(text, 3),
+            "bicycle.hub: expected a list [x, y, z], each entry a number (m), found a list of 2; "
+            "correct the value (Place of the hub)");
 }
 
 TEST(Section, NamesPathInsideLists)
 {
-  EXPECT_EQ(error_of(R"({"kind": "electric", "charge": 5, "wheels": [{}, {"radius": 0}]})"),
+  EXPECT_EQ(error_of_bicycle(R"({"kind": "electric", "charge": 5, "wheels": [{}, {"radius": 0}]})"),
             "bicycle.wheels[1].radius: expected a number above 0 (m), found 0; correct the value (Radius to the rim)");
 }
 
 TEST(Section, RequiresOnlyForKeyWhereItBelongs)
 {
-  EXPECT_NE(error_of(R"({"kind": "electric"})").find("bicycle.charge: this required key is missing"),
+  EXPECT_NE(error_of_bicycle(R"({"kind": "electric"})").find("bicycle.charge: this required key is missing"),
             std::string::npos);
-  EXPECT_NE(error_of(R"({"kind": "plain", "basket": 1, "charge": 5})").find("belongs to \"kind\": \"electric\""),
-            std::string::npos);
+  EXPECT_NE(
+      error_of_bicycle(R"({"kind": "plain", "basket": 1, "charge": 5})").find("belongs to \"kind\": \"electric\""),
+      std::string::npos);
 }
 
 TEST(Section, RequiresNeededForKeyOnlyThere)
 {
-  EXPECT_NE(error_of(R"({"kind": "plain"})").find("bicycle.basket: this required key is missing"), std::string::npos);
-  EXPECT_EQ(error_of(R"({"kind": "electric", "charge": 5, "basket": 0.02})"), "accepted");
+  EXPECT_NE(error_of_bicycle(R"({"kind": "plain"})").find("bicycle.basket: this required key is missing"),
+            std::string::npos);
+  EXPECT_EQ(error_of_bicycle(R"({"kind": "electric", "charge": 5, "basket": 0.02})"), "accepted");
 }
 
 TEST(Section, ChecksFormOfUnusedKeyButDropsItsValue)
 {
-  EXPECT_FALSE(read(R"({"kind": "electric", "charge": 5, "light": "on"})").lit);
-  EXPECT_NE(error_of(R"({"kind": "electric", "charge": 5, "light": "bright"})").find("bicycle.light"),
+  EXPECT_FALSE(read_bicycle(R"({"kind": "electric", "charge": 5, "light": "on"})").lit);
+  EXPECT_NE(error_of_bicycle(R"({"kind": "electric", "charge": 5, "light": "bright"})").find("bicycle.light"),
             std::string::npos);
 }
 

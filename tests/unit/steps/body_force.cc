@@ -10,9 +10,9 @@ namespace
 constexpr double dt = 2e-3;
 
 /// The free block under a body force, with or without gravity.
-struct Block : test::FreeBlock
+struct PulledBlock : test::FreeBlock
 {
-  Block(const StageType type, const std::vector<std::string>& components, const double vertical_gravity = 0.)
+  PulledBlock(const StageType type, const std::vector<std::string>& components, const double vertical_gravity = 0.)
       : FreeBlock(1e7, vertical_gravity, {0.25, 0.5, type == StageType::dynamic ? dt : 0.}),
         force({components, {}, "domain.body force"})
   {
@@ -56,7 +56,7 @@ class DynamicsOfBodyForces : public testing::TestWithParam<StageType>
 
 TEST_P(DynamicsOfBodyForces, ConstantOnesAreGravity)
 {
-  Block pulled(GetParam(), {"1", "0", "-4"}), heavy(GetParam(), {"1", "0", "0"}, -4.);
+  PulledBlock pulled(GetParam(), {"1", "0", "-4"}), heavy(GetParam(), {"1", "0", "0"}, -4.);
   pulled.advance(8);
   heavy.advance(8);
   const double t = 8. * dt;
@@ -68,7 +68,7 @@ TEST_P(DynamicsOfBodyForces, ConstantOnesAreGravity)
 
 TEST_P(DynamicsOfBodyForces, TheirImpulseIsTheIntegral)
 {
-  Block block(GetParam(), {"5e3 * t * X", "15e3 * t * X * Z", "-1e4 * t"});
+  PulledBlock block(GetParam(), {"5e3 * t * X", "15e3 * t * X * Z", "-1e4 * t"});
   const Eigen::Vector3d rate =
       block.sum([](double m, const Eigen::Vector3d& x, const auto&, const auto&)
                 { return Eigen::Vector3d(5e3 * m * Eigen::Vector3d(x[0], 3. * x[0] * x[2], -2.)); });
@@ -82,14 +82,14 @@ INSTANTIATE_TEST_SUITE_P(Dynamics, DynamicsOfBodyForces, testing::Values(StageTy
 TEST(DynamicsOfBodyForce, StepsConvergeWhereItPassesThroughZeroAndAfterItHasEnded)
 {
   // zero at the ends of the second and of all later steps
-  Block block(StageType::dynamic, {"t < 0.0041 ? 1e3 * sin(pi * t / 0.004) : 0", "0", "0"});
+  PulledBlock block(StageType::dynamic, {"t < 0.0041 ? 1e3 * sin(pi * t / 0.004) : 0", "0", "0"});
   block.advance(4);
   EXPECT_GT(block.momentum()[0], 0.);
 }
 
 TEST(DynamicsOfBodyForce, ItPullsInFullWhereGravityIsRamped)
 {
-  Block block(StageType::explicit_, {"0", "0", "-1"}, -9.81);
+  PulledBlock block(StageType::explicit_, {"0", "0", "-1"}, -9.81);
   block.load.gravity_factor = 0.5;
   block.advance(4);
   EXPECT_NEAR(block.momentum()[2] / block.mass(), -(1. + 0.5 * 9.81) * 4. * dt, 1e-12);
@@ -97,7 +97,7 @@ TEST(DynamicsOfBodyForce, ItPullsInFullWhereGravityIsRamped)
 
 TEST(DynamicsOfBodyForce, StaticStepsWithoutAnyLoadAreRefused)
 {
-  Block block(StageType::static_, {"0", "t - t", "0"});
+  PulledBlock block(StageType::static_, {"0", "t - t", "0"});
   block.load.end_time = 1.;
   StepContext<3> context = block.context();
   context.body_force = &block.force;

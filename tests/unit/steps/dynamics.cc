@@ -3,7 +3,7 @@
 #include "free_block.h"
 
 using namespace kedge;
-using Block = test::FreeBlock;
+using test::FreeBlock;
 
 namespace
 {
@@ -15,7 +15,7 @@ class FreeFall : public testing::TestWithParam<std::tuple<bool, double, double>>
 TEST_P(FreeFall, IsExact)
 {
   const auto [lumped, beta, gamma] = GetParam();
-  Block block(1e6, 9.81, {beta, gamma, 0.01}, lumped);
+  FreeBlock block(1e6, 9.81, {beta, gamma, 0.01}, lumped);
   block.load.begins_stage = true;
   const double start = block.centre()[2];
   const unsigned int n_steps = 12;
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Dynamics, FreeFall,
 
 TEST(Dynamics, RigidMotionKeepsMomentumAndSpin)
 {
-  Block block(1e7, -9.81, {0.25, 0.5, 2e-3});
+  FreeBlock block(1e7, -9.81, {0.25, 0.5, 2e-3});
   block.load.begins_stage = true;
   const Eigen::Vector3d spin(0., 2., 0.), drift(1., 0., 0.5), pivot = block.centre();
   block.set_velocities([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(drift + spin.cross(x - pivot)); });
@@ -50,7 +50,7 @@ TEST(Dynamics, RigidMotionKeepsMomentumAndSpin)
 
 TEST(Dynamics, FreeBodiesFallExactlyFromTheirFirstStep)
 {
-  Block block(1e6, -9.81, {0.25, 0.5, 0.01});
+  FreeBlock block(1e6, -9.81, {0.25, 0.5, 0.01});
   block.stage.stepping.beta = 0.25;
   block.stage.stepping.gamma = 0.5;
   block.stage.stepping.dt = 0.01;
@@ -71,7 +71,7 @@ TEST(Dynamics, FreeBodiesFallExactlyFromTheirFirstStep)
 
 TEST(Dynamics, MomentumBalancesContactAndWeight)
 {
-  Block block(1e6, -9.81, {0.25, 0.5, 1e-3});
+  FreeBlock block(1e6, -9.81, {0.25, 0.5, 1e-3});
   block.stage.rigid_bodies = true;
   block.bodies.points.emplace_back();
   block.bodies.points[0].pose.position = {1., 1., 1.};
