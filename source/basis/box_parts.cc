@@ -35,15 +35,20 @@ template <int dim> struct Box
   }
 };
 
+/// A box that would reach beyond the window shrinks on both sides, down to a point. So its particle moves as the soil
+/// where it is does, and never through a face that holds the soil: the mean over what is inside would pull it along
+/// with the soil in front of the face.
 template <int dim>
-Box<dim> clip(const LeafTable<dim>& table, const std::array<double, dim>& centre,
-              const std::array<double, dim>& half_width)
+Box<dim> shrink(const LeafTable<dim>& table, const std::array<double, dim>& centre,
+                const std::array<double, dim>& half_width)
 {
   Box<dim> box;
   for (unsigned int d = 0; d < dim; ++d)
   {
-    box.lower[d] = std::max(table.lower_end(d), centre[d] - half_width[d]);
-    box.upper[d] = std::min(table.upper_end(d), centre[d] + half_width[d]);
+    const double inside = std::min(centre[d] - table.lower_end(d), table.upper_end(d) - centre[d]);
+    const double half = std::clamp(inside, point_box * half_width[d], half_width[d]);
+    box.lower[d] = std::max(table.lower_end(d), centre[d] - half);
+    box.upper[d] = std::min(table.upper_end(d), centre[d] + half);
   }
   return box;
 }
@@ -94,7 +99,7 @@ BoxParts<dim> find_box_parts(const LeafTable<dim>& table, const std::vector<std:
   {
     boxes.clear();
     for (end = begin; end < centre.size() && (end == begin || (!leaf.empty() && leaf[end] == leaf[begin])); ++end)
-      boxes.push_back(clip<dim>(table, centre[end], half_width[end]));
+      boxes.push_back(shrink<dim>(table, centre[end], half_width[end]));
     Box<dim> all = boxes.front();
     for (const Box<dim>& box : boxes)
       all.include(box);

@@ -196,11 +196,16 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
     }
   }
   const long long before = particles.n_global_particles();
+  const double mass_before = mass();
   const std::optional<std::vector<Stray<dim>>> strays = take_out_strays();
   edit().sort_particles_into_subdomains_and_cells();
   if (strays)
     bring_in(*strays);
-  lost += before - static_cast<long long>(particles.n_global_particles());
+  const long long n_lost = before - static_cast<long long>(particles.n_global_particles());
+  if (n_lost == 0)
+    return;
+  gone.number += n_lost;
+  gone.mass += sum_over_ranks(mass_before - mass(), mesh.communicator());
 }
 
 /// Takes out the particles that have moved into parts of the grid that this rank does not know: the handler looks no

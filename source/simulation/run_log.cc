@@ -104,6 +104,22 @@ void RunLog::tell_removed(const HopelessParticles& removed, const unsigned int s
                             removed.distorted, removed.isolated, removed.mass));
 }
 
+void RunLog::tell_lost(const LostParticles& lost, const unsigned int step)
+{
+  const long long number = lost.number - told_lost.number;
+  if (number == 0)
+    return;
+  const double mass = lost.mass - told_lost.mass;
+  const std::string sentence =
+      fmt::format("step {}: {} material points have left the grid, {:.3g} kg", step, number, mass);
+  if (told_lost.number == 0)
+    terminal.warn(sentence + "; they are gone, which a larger domain would prevent");
+  else
+    terminal.line(sentence);
+  summary.stages.back().removed_mass += mass;
+  told_lost = lost;
+}
+
 void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)
 {
   StageSummary& counts = summary.stages.back();

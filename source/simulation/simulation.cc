@@ -328,6 +328,7 @@ template <int dim> void Simulation<dim>::commit_step()
   const auto scope = log.timings().measure("commit");
   step.reset(); // its memory is not needed any more
   soil.commit(increments, stage->rigid_bodies ? &bodies : nullptr);
+  log.tell_lost(soil.particles().lost(), step_number);
 }
 
 template <int dim> StepSummary Simulation<dim>::summarise_step() const

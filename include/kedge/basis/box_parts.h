@@ -7,7 +7,7 @@
 namespace kedge
 {
 /// The parts of boxes that lie in leaves. Box p has the parts begin[p] .. begin[p + 1]; they fill what of it lies in
-/// the window and in known leaves, and their fractions of that sum to 1.
+/// known leaves, and their fractions of that sum to 1.
 template <int dim> struct BoxParts
 {
   std::vector<std::size_t> begin{0};
@@ -16,9 +16,10 @@ template <int dim> struct BoxParts
   std::vector<std::array<double, dim>> middle; ///< of the part, m
 };
 
-/// Divides boxes, given by centre and half-widths (m). Parts below 1e-11 of a box are left out. A box beside the window
-/// has no parts. Consecutive boxes of the same `leaf`, which is that of their centre, are searched for together;
-/// without leaves each is for itself.
+/// Divides boxes, given by centre and half-widths (m). A box that reaches across the end of the window shrinks on both
+/// sides to what fits there. Parts below 1e-11 of a box are left out. A box whose centre is beside the window has none.
+/// Consecutive boxes of the same `leaf`, which is that of their centre, are searched for together; without leaves each
+/// is for itself.
 template <int dim>
 BoxParts<dim> find_box_parts(const LeafTable<dim>& table, const std::vector<std::array<double, dim>>& centre,
                              const std::vector<std::array<double, dim>>& half_width,

@@ -20,6 +20,13 @@ template <int dim> struct Stray
   std::array<double, field::count> data;
 };
 
+/// Particles that left the grid and were dropped, over all ranks.
+struct LostParticles
+{
+  long long number = 0;
+  double mass = 0.; ///< kg (2-D: per metre)
+};
+
 /// Particles in cells outside the mesh's window wait: the handler keeps them as they are, the arrays do not know them.
 ///
 /// The arrays follow the handler and the mesh by themselves: what is read after a change is filled anew first, which
@@ -69,8 +76,8 @@ public:
   long long remove_if(const std::function<bool(const Accessor&)>& condition);
 
   long long n_global() const { return particles.n_global_particles(); }
-  /// Particles that left the grid and were dropped.
-  long long n_lost() const { return lost; }
+  /// Since the set was made.
+  const LostParticles& lost() const { return gone; }
 
   /// Of this rank's particles, kg (2-D: per metre).
   double mass() const;
@@ -111,6 +118,6 @@ private:
   Handler particles;
   mutable Mirror mirror;       ///< filled when it is read
   unsigned long n_changes = 1; ///< of the particles
-  long long lost = 0;
+  LostParticles gone;
 };
 } // namespace kedge

@@ -46,6 +46,8 @@ public:
   void tell_time_step(const SteppingParameters& stepping, double critical, double of_soil);
   /// Counts the mass of what was removed, too.
   void tell_removed(const HopelessParticles& removed, unsigned int step);
+  /// What has left the grid so far in this run. Counts its mass; warns at the first time.
+  void tell_lost(const LostParticles& lost, unsigned int step);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
   void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
@@ -77,6 +79,7 @@ private:
   bool told_time_step = false, warned_of_time_step = false, warned_of_springs = false; ///< in this stage
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
+  LostParticles told_lost;
   bool has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
 };
 } // namespace kedge

@@ -49,7 +49,7 @@ public:
   MPI_Comm communicator() const { return grid.communicator(); }
 
   /// Material points deleted or lost since the run began, over all ranks.
-  long long n_deleted() const { return deleted + points.n_lost(); }
+  long long n_deleted() const { return deleted + points.lost().number; }
   /// Cells in the window that hold material points, over all ranks.
   long long count_cells() const;
 

@@ -18,6 +18,12 @@ def cuts(*runs):
     return sum(stage["cuts"] for run in runs for stage in run.stages)
 
 
+def middle_of_cuts(*runs):
+    """Number of steps that were cut in the middle one of runs that differ so little that only chance tells them apart:
+    a step that fails may fail again in its parts."""
+    return float(np.median([cuts(run) for run in runs]))
+
+
 def deepest_penetration(*runs):
     """Deepest penetration of any corner into a body at the end of any step, m."""
     return max(stage["deepest penetration"] for run in runs for stage in run.stages)

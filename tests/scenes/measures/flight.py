@@ -41,3 +41,15 @@ def release_error(run):
     time = run.input["analysis"][-1]["final time"]
     return max(abs(np.mean(run.points(f"velocity_{axis}")) - time * gravity)
                for axis, gravity in zip("xz", _gravity(run)))
+
+
+def flattening_error(run):
+    """Error of the mean height of the lowest row of material points at the end, z = Z (1 - t), relative to it."""
+    start = run.points("initial position_z").round(6)
+    exact = np.min(start) * (1. - run.input["analysis"][0]["final time"])
+    return abs(np.mean(run.points("position_z")[start == np.min(start)]) / exact - 1.)
+
+
+def removed_mass(run):
+    """Mass of the material points that were removed or left the grid, kg/m."""
+    return sum(stage["removed mass"] for stage in run.summary["stages"])

@@ -195,11 +195,11 @@ TYPED_TEST(Checkpoint, LostParticlesCountAsDeleted)
   Interrupted<dim> run(MPI_COMM_WORLD);
   run.move([](long long, unsigned int) { return 100.; }); // beyond the grid
   run.contact.import_history({}, run.particles.ids());
-  ASSERT_GT(run.particles.n_lost(), 0);
+  ASSERT_GT(run.particles.lost().number, 0);
   run.write(this->file);
   Fresh<dim> restored(MPI_COMM_WORLD);
   restored.read(this->file, checkpointed_input);
-  EXPECT_EQ(restored.soil.n_deleted(), 4 + run.particles.n_lost());
+  EXPECT_EQ(restored.soil.n_deleted(), 4 + run.particles.lost().number);
 }
 
 TYPED_TEST(Checkpoint, NoPredictionStaysNone)

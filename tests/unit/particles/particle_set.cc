@@ -192,7 +192,7 @@ TYPED_TEST(Particles, MoveByTheirDisplacementAcrossCellsAndRanks)
   ASSERT_GT(expected_to_leave, 0);
 
   this->particles.commit(this->increments(displacement), DomainUpdate::none);
-  EXPECT_EQ(this->particles.n_lost(), expected_to_leave);
+  EXPECT_EQ(this->particles.lost().number, expected_to_leave);
   EXPECT_EQ(this->particles.n_global(), before - expected_to_leave);
   const std::vector<long long> ids = this->all_ids();
   EXPECT_EQ(std::set<long long>(ids.begin(), ids.end()).size(), ids.size());
@@ -226,7 +226,7 @@ TYPED_TEST(Particles, ArriveWhereverTheyJump)
   this->particles.commit(this->increments([](long long, const unsigned int d) { return d == 0 ? 3. : 0.; }),
                          DomainUpdate::none);
   EXPECT_EQ(this->particles.n_global(), staying);
-  EXPECT_EQ(this->particles.n_lost(), before - staying);
+  EXPECT_EQ(this->particles.lost().number, before - staying);
   double moved = 0.;
   for (const auto& particle : this->particles.handler())
   {
