@@ -45,7 +45,7 @@ template <int dim> void Contact<dim>::commit()
   history = waiting;
   const auto host = pairs.read_on_host();
   for (std::size_t k = 0; k < n_pairs; ++k)
-    if (host(k).active || host(k).trial.reference_gap < 0.)
+    if (host(k).active || host(k).trial.reference_gap != 0.)
       history[host(k).key] = host(k).trial;
 }
 
@@ -96,7 +96,7 @@ template <int dim> ContactRecord Contact<dim>::to_record(const ContactKey& key, 
 {
   const Eigen::Vector3d& t = state.tangential;
   return {key.particle,     key.corner,   key.surface,    {t[0], t[1], t[2]}, state.reference_gap,
-          state.multiplier, state.bonded, state.pressure, state.farthest_off};
+          state.multiplier, state.bonded, state.pressure, state.memory};
 }
 
 template <int dim> void Contact<dim>::enter(const ContactRecord& record)
@@ -107,7 +107,7 @@ template <int dim> void Contact<dim>::enter(const ContactRecord& record)
   state.multiplier = record.multiplier;
   state.bonded = record.bonded != 0;
   state.pressure = record.pressure;
-  state.farthest_off = record.farthest_off;
+  state.memory = record.memory;
 }
 
 template <int dim> std::vector<ContactRecord> Contact<dim>::export_history() const

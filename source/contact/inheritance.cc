@@ -74,6 +74,17 @@ std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const 
   }
   return gaps;
 }
+/// Adds a multiple of what a corner remembers.
+void add(ReferenceMemory& sum, const double factor, const ReferenceMemory& memory)
+{
+  sum.farthest_off += factor * memory.farthest_off;
+  sum.farthest_in += factor * memory.farthest_in;
+  sum.opening += factor * memory.opening;
+  sum.approach.now += factor * memory.approach.now;
+  sum.approach.most += factor * memory.approach.most;
+  sum.approach.least += factor * memory.approach.least;
+  sum.approach.beside_edges += factor * memory.approach.beside_edges;
+}
 } // namespace
 
 template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies)
@@ -129,7 +140,8 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   std::array<std::optional<ContactHistory>, n_places<dim>> at_place; // all but forces
   for (unsigned int place = 0; place < n_places<dim>; ++place)
   {
-    double known_share = 0., bonded_share = 0., reference_gap = 0., farthest_off = 0.;
+    double known_share = 0., bonded_share = 0., reference_gap = 0.;
+    ReferenceMemory memory;
     unsigned int n_contributing = 0;
     for (std::uint32_t from = 0; from < n; ++from)
     {
@@ -140,7 +152,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
       known_share += share;
       bonded_share += parent[from]->bonded ? share : 0.;
       reference_gap += share * parent[from]->reference_gap;
-      farthest_off += share * parent[from]->farthest_off;
+      add(memory, share, parent[from]->memory);
     }
     // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
     bonded[place] = bonded_share == 1. && n_contributing < n;
@@ -153,7 +165,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
     if (state.bonded || presses[place])
     {
       state.reference_gap = reference_gap / known_share;
-      state.farthest_off = farthest_off / known_share;
+      add(state.memory, 1. / known_share, memory);
     }
     else // pushes no sooner than at the surface, nor at once
       state.reference_gap = std::min(0., gap[place]);

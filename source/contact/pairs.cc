@@ -108,16 +108,19 @@ template <int dim> void Contact<dim>::settle(ContactPair& pair, const RigidSyste
   const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
   ContactHistory& state = pair.committed;
   const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
-  const bool carries = state.pressure != 0. || state.bonded;
+  const bool carries = state.pressure != 0. || state.bonded || state.memory.opening > 0.;
   const double first = state.reference_gap, limit = farthest_reference * pair.size;
   const auto closest = welded.surface.closest_point_within(x, carries ? std::numeric_limits<double>::max() : 0.);
   if (!closest)
     return;
-  const double balancing = carries ? closest->gap + (state.pressure - state.multiplier) / pair.stiffness.normal
-                                   : std::min(first, closest->gap);
-  // a corner that its box has drawn off the surface hardly presses: at edges such ones would drag soil along
-  const double off = state.bonded ? limit : std::max(hardly_off * pair.size, state.farthest_off);
-  state.reference_gap = std::clamp(balancing, std::min(first, -limit), std::max(first, off));
+  const double balancing =
+      carries ? closest->gap + (state.pressure - state.multiplier) / pair.stiffness.normal - state.memory.opening
+              : std::min(first, closest->gap);
+  // A corner that its box has drawn off the surface hardly presses: at edges such ones would drag soil along. One that
+  // the burial has put deep inside may go deeper, or the limit would let it go one way and not come back.
+  const double margin = hardly_off * pair.size, in = std::max(limit, state.memory.farthest_in + margin);
+  const double off = std::max(state.bonded ? limit : margin, state.memory.farthest_off);
+  state.reference_gap = std::clamp(balancing, std::min(first, -in), std::max(first, off));
 }
 
 template <int dim>
@@ -192,6 +195,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         if (entry != history.end() || contact_goes_on)
           settle(pair, bodies);
         pair.trial = pair.augmented = pair.committed;
+        pair.approach = pair.approach_begin = pair.committed.memory.approach;
         const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
         host_rests(n_pairs) = {s, false, false, (pair.start - pose.position).norm(), 0.};
         ++n_pairs;
@@ -219,12 +223,15 @@ template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bo
   {
     ContactPair& pair = host(k);
     pair.committed = pair.trial = pair.augmented = ContactHistory();
+    pair.approach = pair.approach_begin = BodyApproach();
     const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
     const Eigen::Vector3d x = bodies.points[welded.point].pose.to_body(pair.start);
     const auto closest = welded.surface.closest_point_within(x, pair.bonds ? bonding_distance * pair.size : 0.);
     if (!closest || !(closest->gap < 0. || pair.bonds))
       continue;
     pair.committed.reference_gap = closest->gap;
+    pair.committed.memory.farthest_off = std::max(0., closest->gap);
+    pair.committed.memory.farthest_in = std::max(0., -closest->gap);
     pair.committed.bonded = pair.bonds;
     pair.trial = pair.augmented = pair.committed;
     history[pair.key] = pair.committed;

@@ -13,6 +13,13 @@ using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 /// it fades, slowly enough for the soil to give way.
 constexpr double fading_per_distance = 0.25;
 
+/// In sizes of the particle: over so much of a body's first motion what its burial has left fades more slowly, from not
+/// at all on.
+constexpr double fades_slowly = 0.1;
+
+/// In sizes of the particle: so far off its reference a corner has left it.
+constexpr double leaves_beyond = 0.1;
+
 /// A surface goes on around a corner if its normal, half a size away, has turned by no more than this cosine tells.
 constexpr double goes_on = 0.9;
 
@@ -111,12 +118,40 @@ KEDGE_FUNCTION void look_around(ContactPair& pair, const SurfaceMotion& surface)
   pair.facing = surface.before.direction_to_world(normal);
 }
 
-/// Lets the true surface take the place of the reference while the body moves; `carried` is where it takes the corner's
+/// How far a body has come farther than ever before: a reference above zero fades where it goes away, too.
+KEDGE_FUNCTION double progress(const BodyApproach& approach, const double reference_gap)
+{
+  return reference_gap > 0. ? approach.most - approach.least : approach.most;
+}
+
+/// The progress over which references fade more slowly, m.
+KEDGE_FUNCTION double slow_start(const ContactPair& pair)
+{
+  const ReferenceMemory& memory = pair.committed.memory;
+  return memory.farthest_off > 0. || memory.farthest_in > 0. ? fades_slowly * pair.size : 0.;
+}
+
+/// What a body has taken off the reference gap in all, m.
+KEDGE_FUNCTION double faded(const BodyApproach& approach, const double reference_gap, const double slow)
+{
+  const double across = progress(approach, reference_gap);
+  return fading_per_distance * ((across < slow ? 0.5 * across * across / slow : across - 0.5 * slow) +
+                                (reference_gap > 0. ? approach.beside_edges : 0.));
+}
+
+/// The same in this step.
+KEDGE_FUNCTION double faded_by(const ContactPair& pair, const double reference_gap)
+{
+  const double slow = slow_start(pair);
+  return faded(pair.approach, reference_gap, slow) - faded(pair.committed.memory.approach, reference_gap, slow);
+}
+
+/// Lets the true surface take the place of the reference as the body moves on; `carried` is where it takes the corner's
 /// start, m. Motion along the surface does not strain the soil across it and leaves the reference as it is; but where
 /// the surface ends, a corner off it would drag soil along. Soil is only pressed harder where the body comes towards
 /// it: boxes draw their corners off the surface and back while soil yields and springs back, and a surface that came
-/// after them one step late would drive a body that bounces. For the same reason, where a step follows a path, what has
-/// faded does not come back.
+/// after them one step late would drive a body that bounces. A body that goes to and fro where it has been takes
+/// nothing off, so that cycles close, and next to nothing at first, so that elastic soil answers alike either way.
 KEDGE_FUNCTION void fade(ContactPair& pair, const SurfaceMotion& surface)
 {
   if (pair.facing.isZero(0.))
@@ -124,16 +159,27 @@ KEDGE_FUNCTION void fade(ContactPair& pair, const SurfaceMotion& surface)
   pair.carried = surface.now.to_world(surface.before.to_body(pair.start));
   const double first = pair.committed.reference_gap, side = first < 0. ? 1. : -1.;
   const Eigen::Vector3d motion = pair.carried - pair.start - pair.carry_begin;
-  const double approach = pair.facing.dot(motion);
+  const double approach = pair.facing.dot(motion), distance = motion.norm();
+  const BodyApproach& begin = pair.approach_begin;
+  BodyApproach& after = pair.approach = begin;
   const bool any_motion = first > 0. && pair.near_edge;
-  const double distance = any_motion ? motion.norm() : first > 0. ? std::fabs(approach) : larger(0., approach);
-  pair.fading_path = pair.fading_path_begin + distance;
-  pair.reference_gap = side * smaller(0., side * first + fading_per_distance * pair.fading_path);
-  if (pair.reference_gap == 0. || !(distance > round_off * pair.size)) // round-off must not choose a direction
+  if (any_motion)
+    after.beside_edges = begin.beside_edges + distance;
+  else
+  {
+    after.now = begin.now + approach;
+    after.most = larger(begin.most, after.now);
+    after.least = smaller(begin.least, after.now);
+  }
+  pair.reference_gap = side * smaller(0., side * first + faded_by(pair, first));
+  const double gained = any_motion ? distance : progress(after, first) - progress(begin, first);
+  if (pair.reference_gap == 0. || !(gained > round_off * pair.size)) // round-off must not choose a direction
     return;
-  const double rate = side * fading_per_distance;
-  pair.fading = any_motion ? Eigen::Vector3d(rate / distance * motion)
-                           : Eigen::Vector3d((approach > 0. ? rate : -rate) * pair.facing);
+  const double rate = side * fading_per_distance, slow = slow_start(pair), across = progress(after, first);
+  if (any_motion)
+    pair.fading = rate / distance * motion;
+  else
+    pair.fading = (across < slow ? across / slow : 1.) * (approach > 0. ? rate : -rate) * pair.facing;
 }
 
 /// Forces and trial history of a pair at its position, its body having moved.
@@ -156,8 +202,9 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   pair.reference_gap = pair.committed.reference_gap;
   if (!bonded && pair.reference_gap != 0.) // most have none
     fade(pair, surface);
-  // up to where the multiplier and the reference press
-  const double held_off = pair.augmented.multiplier / pair.stiffness.normal + larger(0., pair.reference_gap);
+  // up to where the multiplier and the reference press, or where the reference is left
+  const double reaches = pair.reference_gap == 0. ? 0. : larger(0., pair.reference_gap + leaves_beyond * pair.size);
+  const double held_off = pair.augmented.multiplier / pair.stiffness.normal + reaches;
   ClosestPoint closest;
   if (!find_closest(pair, surface, x, held_off, closest))
     return;
@@ -185,11 +232,15 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   pair.normal = at.normal;
   pair.trial.tangential = response.tangential;
   pair.trial.pressure = response.active ? response.force.dot(at.normal) : 0.;
-  // a corner that comes out of its first penetration finds the true surface when it returns
-  pair.trial.reference_gap =
-      response.active ? pair.reference_gap : smaller(0., larger(pair.reference_gap, closest.gap));
-  pair.trial.farthest_off =
-      response.active ? larger(0., pair.committed.farthest_off - fading_per_distance * pair.fading_path) : 0.;
+  // soil that comes back to where it has left the body finds it there
+  if (response.active || at.gap < leaves_beyond * pair.size)
+  {
+    pair.trial.reference_gap = pair.reference_gap;
+    pair.trial.memory.farthest_off = larger(0., pair.committed.memory.farthest_off - faded_by(pair, 1.));
+    pair.trial.memory.farthest_in = larger(0., pair.committed.memory.farthest_in - faded_by(pair, -1.));
+    pair.trial.memory.approach = pair.approach;
+    pair.trial.memory.opening = response.active ? 0. : at.gap;
+  }
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && keeps_multipliers)
   {

@@ -59,7 +59,7 @@ void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
         pairs(k).augmented = pairs(k).committed;
         pairs(k).slip_begin.setZero();
         pairs(k).carry_begin.setZero();
-        pairs(k).fading_path_begin = 0.;
+        pairs(k).approach_begin = pairs(k).committed.memory.approach;
         pairs(k).on_plane = false;
       });
 }
@@ -95,7 +95,7 @@ void follow_path(const ContactArrays& contact, const std::size_t n_pairs)
         if (pair.committed.bonded || pair.committed.reference_gap == 0.)
           return; // nothing fades
         pair.carry_begin = pair.carried - pair.start;
-        pair.fading_path_begin = pair.fading_path;
+        pair.approach_begin = pair.approach;
       });
 }
 

@@ -7,7 +7,7 @@
 namespace kedge::checkpoint
 {
 /// Grows with every change of the contents.
-constexpr int format_version = 9;
+constexpr int format_version = 10;
 
 /// Widths of the tables' rows.
 template <int dim> constexpr unsigned int particle_width = dim + field::count; // position, fields
@@ -15,7 +15,7 @@ template <int dim> constexpr unsigned int leaf_width = dim + 2;                /
 template <int dim> constexpr unsigned int node_width = 2 * dim;                // position, increment
 constexpr unsigned int body_width =
     3 + 4 + 6 + 6 + 6; // position, rotation (x y z w), increment, velocity, acceleration
-constexpr unsigned int contact_key_width = 3, contact_width = 8;
+constexpr unsigned int contact_key_width = 3, contact_width = 14;
 constexpr unsigned int surface_width = 3; // vertices, triangles, CRC-32
 
 /// The fields of a particle, as the text "particle fields" lists them. A file with other fields cannot be read.

@@ -248,7 +248,7 @@ template <int dim> void read_contact(const SoilParts<dim>& soil, const Hdf5Reade
                        value[4],
                        value[5] != 0.,
                        value[6],
-                       value[7]});
+                       {value[7], value[8], value[9], {value[10], value[11], value[12], value[13]}}});
   }
   soil.contact.import_history(records, all_ids(soil.particles));
 }

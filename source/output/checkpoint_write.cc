@@ -99,7 +99,9 @@ template <int dim> void write_contact(const Contact<dim>& contact, Hdf5Writer& f
     values.push_back(record.multiplier);
     values.push_back(record.bonded);
     values.push_back(record.pressure);
-    values.push_back(record.farthest_off);
+    const auto& [farthest_off, farthest_in, opening, approach] = record.memory;
+    values.insert(values.end(), {farthest_off, farthest_in, opening, approach.now, approach.most, approach.least,
+                                 approach.beside_edges});
   }
   file.write_rows("contact keys", keys, contact_key_width);
   file.write_rows("contact", values, contact_width);

@@ -47,6 +47,12 @@ void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems&
   for (const RigidPoint& point : bodies.points)
     stage.start_positions.push_back({{point.pose.position[0], point.pose.position[1], point.pose.position[2]}});
   summary.stages.push_back(stage);
+  if (stepping.type == StageType::dynamic && 2. * stepping.beta < stepping.gamma)
+    terminal.warn(fmt::format(
+        "stage {}: \"beta\", {:g}, is less than half of \"gamma\", {:g}: Newmark's method lets the "
+        "fastest waves of the mesh grow unless steps are as short as explicit ones; (gamma + "
+        "1/2)^2 / 4, here {:g}, is stable",
+        summary.stages.size(), stepping.beta, stepping.gamma, 0.25 * (stepping.gamma + 0.5) * (stepping.gamma + 0.5)));
   write("running");
 }
 
@@ -100,8 +106,13 @@ void RunLog::tell_removed(const HopelessParticles& removed, const unsigned int s
   if (removed.distorted + removed.isolated == 0)
     return;
   summary.stages.back().removed_mass += removed.mass;
-  terminal.line(fmt::format("step {}: {} distorted and {} isolated material points removed, {:.3g} kg", step,
-                            removed.distorted, removed.isolated, removed.mass));
+  const std::string sentence = fmt::format("step {}: {} distorted and {} isolated material points removed, {:.3g} kg",
+                                           step, removed.distorted, removed.isolated, removed.mass);
+  if (has_warned_of_removed)
+    terminal.line(sentence);
+  else
+    terminal.warn(sentence + "; \"removed mass\" in summary.json tells how much it is in all");
+  has_warned_of_removed = true;
 }
 
 void RunLog::tell_lost(const LostParticles& lost, const unsigned int step)

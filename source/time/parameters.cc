@@ -96,7 +96,7 @@ Section<SteppingParameters> stepping_section()
       .required(
           "beta", &P::beta, number("-", positive()),
           "Newmark's beta; with (gamma + 1/2)^2 / 4 stiff joints and contacts come to rest, with less their forces "
-          "swing from step to step")
+          "swing from step to step, and with less than gamma / 2 they grow")
       .only_for("type", {"dynamic"});
   section
       .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),

@@ -29,12 +29,12 @@ struct ContactRecord
 {
   std::int64_t particle;
   std::uint32_t corner, surface;
-  double tangential[3];     ///< N, world axes
-  double reference_gap;     ///< m
-  double multiplier;        ///< of the normal force, N; 0 with penalties alone
-  std::uint64_t bonded;     ///< 1: also carries tension, 0: does not
-  double pressure = 0.;     ///< normal force on the soil, N; below 0 only where bonded
-  double farthest_off = 0.; ///< that the reference may come off the surface, m
+  double tangential[3]; ///< N, world axes
+  double reference_gap; ///< m
+  double multiplier;    ///< of the normal force, N; 0 with penalties alone
+  std::uint64_t bonded; ///< 1: also carries tension, 0: does not
+  double pressure = 0.; ///< normal force on the soil, N; below 0 only where bonded
+  ReferenceMemory memory;
 };
 
 /// Point-to-surface contact (Bird et al. 2025, arXiv:2412.01565): each corner of each GIMP domain against each surface,

@@ -20,14 +20,30 @@ struct ContactKey
   }
 };
 
+/// How far a body has come towards the soil at a corner since that first touched it, m.
+struct BodyApproach
+{
+  double now = 0., most = 0., least = 0.; ///< least <= now <= most
+  double beside_edges = 0.; ///< length of its path, in whatever direction, while the surface ended near the corner
+};
+
+/// What the reference gap of a corner goes by, m.
+struct ReferenceMemory
+{
+  /// How far off the surface, and inside the body, the burial has put it, less what has faded.
+  double farthest_off = 0., farthest_in = 0.;
+  double opening = 0.; ///< how far the corner has left the reference
+  BodyApproach approach;
+};
+
 struct ContactHistory
 {
   Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< N, world axes
   double reference_gap = 0.;                            ///< m
-  double farthest_off = 0.; ///< that the reference may come off the surface, m: where it has been, less what has faded
-  double multiplier = 0.;   ///< of the normal force, N
-  bool bonded = false;      ///< also carries tension
-  double pressure = 0.;     ///< normal force, N; below 0 only where bonded
+  ReferenceMemory memory;
+  double multiplier = 0.; ///< of the normal force, N
+  bool bonded = false;    ///< also carries tension
+  double pressure = 0.;   ///< normal force, N; below 0 only where bonded
 };
 
 struct ContactPair
@@ -43,7 +59,7 @@ struct ContactPair
   ContactHistory augmented, proposed;
   double gap = std::numeric_limits<double>::infinity();  ///< signed distance in the last evaluation
   double reference_gap = 0.;                             ///< in the last evaluation: faded
-  double fading_path = 0., fading_path_begin = 0.;       ///< what it fades with, m; the same at the last follow_path()
+  BodyApproach approach, approach_begin;                 ///< what it fades with; the same at the last follow_path()
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();      ///< out of the body at `start`; zero while nobody has asked
   bool near_edge = false;                                ///< the surface turns within half a size from `start`
   Eigen::Vector3d fading = Eigen::Vector3d::Zero();      ///< d reference gap / d place of the body

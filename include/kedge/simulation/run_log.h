@@ -80,6 +80,6 @@ private:
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
   LostParticles told_lost;
-  bool has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
+  bool has_warned_of_removed = false, has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
 };
 } // namespace kedge

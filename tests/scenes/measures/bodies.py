@@ -51,3 +51,16 @@ def reaction_growth(run):
     """Mean vertical force on the first body over the second half of the run, over the first force, less 1."""
     force = run.body("body1_reaction force_z")
     return abs(np.mean(force[len(force) // 2:]) / force[0] - 1.)
+
+
+def plastic_strain(run):
+    """Largest plastic strain that soil at rest has got."""
+    return np.max(run.points("plastic strain"))
+
+
+def cycle_drift(run):
+    """Change of the force after the first lift and return of a body until the last one, over what lifting it takes."""
+    stage, force = run.body("stage"), run.body("body1_reaction force_z")
+    ends = [force[stage == i][-1] for i in np.unique(stage)]
+    lifted, returned = ends[1::2], ends[2::2]
+    return abs(returned[-1] - returned[0]) / abs(lifted[0] - returned[0])

@@ -74,7 +74,7 @@ TYPED_TEST(SplitContact, DoesNotScaleReferenceGaps)
   EXPECT_NEAR(block.contact.deepest_penetration(), 1.25e-3, 1e-12); // it fades by a quarter of the distance
 }
 
-TYPED_TEST(SplitContact, HandsOnHowFarReferencesMayComeOff)
+TYPED_TEST(SplitContact, HandsOnWhatReferencesGoBy)
 {
   typename TestFixture::Block block(0., 1e-3, 1.2);
   block.find_pairs();
@@ -82,7 +82,7 @@ TYPED_TEST(SplitContact, HandsOnHowFarReferencesMayComeOff)
   block.contact.commit();
   std::vector<ContactRecord> records = block.contact.export_history();
   for (ContactRecord& record : records)
-    record.farthest_off = 7e-3;
+    record.memory = {7e-3, 6e-3, 0., {1e-3, 2e-3, -1e-3, 5e-3}};
   block.contact.import_history(records, block.particles.ids());
   block.find_pairs();
   block.evaluate_at_rest();
@@ -91,7 +91,12 @@ TYPED_TEST(SplitContact, HandsOnHowFarReferencesMayComeOff)
   for (const ContactRecord& record : block.contact.export_history())
     if (record.pressure > 0.)
     {
-      EXPECT_NEAR(record.farthest_off, 7e-3, 1e-12);
+      EXPECT_NEAR(record.memory.farthest_off, 7e-3, 1e-12);
+      EXPECT_NEAR(record.memory.farthest_in, 6e-3, 1e-12);
+      EXPECT_NEAR(record.memory.approach.now, 1e-3, 1e-12);
+      EXPECT_NEAR(record.memory.approach.most, 2e-3, 1e-12);
+      EXPECT_NEAR(record.memory.approach.least, -1e-3, 1e-12);
+      EXPECT_NEAR(record.memory.approach.beside_edges, 5e-3, 1e-12);
       ++n_pressing;
     }
   EXPECT_GT(sum_over_ranks(n_pressing, MPI_COMM_WORLD), 0);
