@@ -10,7 +10,8 @@ namespace
 // Because of round-off, a box that ends on a face may reach slightly across it. Such a sliver would activate nodes
 // without stiffness.
 constexpr double smallest_part = 1e-11;
-constexpr double point_box = 1e-6; // of the particle's
+constexpr double point_box = 1e-6;   // of the particle's
+constexpr double least_width = 1e-4; // that is left of a box at the end of the window
 
 template <int dim> struct Box
 {
@@ -46,7 +47,7 @@ Box<dim> shrink(const LeafTable<dim>& table, const std::array<double, dim>& cent
   for (unsigned int d = 0; d < dim; ++d)
   {
     const double inside = std::min(centre[d] - table.lower_end(d), table.upper_end(d) - centre[d]);
-    const double half = std::clamp(inside, point_box * half_width[d], half_width[d]);
+    const double half = std::clamp(inside, least_width * half_width[d], half_width[d]);
     box.lower[d] = std::max(table.lower_end(d), centre[d] - half);
     box.upper[d] = std::min(table.upper_end(d), centre[d] + half);
   }

@@ -74,6 +74,7 @@ std::array<double, n_places<dim>> gaps_at_places(const Split<dim>& split, const 
   }
   return gaps;
 }
+
 /// Adds a multiple of what a corner remembers.
 void add(ReferenceMemory& sum, const double factor, const ReferenceMemory& memory)
 {
@@ -196,6 +197,8 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
           inherited.multiplier += share * parent[from]->multiplier;
           inherited.tangential += share * parent[from]->tangential;
         }
+      if (inherited.pressure != 0.) // of corners that press and others that have opened
+        inherited.memory.opening = 0.;
       history[{split.children[octant], corner, surface}] = inherited;
     }
 }

@@ -151,7 +151,8 @@ KEDGE_FUNCTION double faded_by(const ContactPair& pair, const double reference_g
 /// the surface ends, a corner off it would drag soil along. Soil is only pressed harder where the body comes towards
 /// it: boxes draw their corners off the surface and back while soil yields and springs back, and a surface that came
 /// after them one step late would drive a body that bounces. A body that goes to and fro where it has been takes
-/// nothing off, so that cycles close, and next to nothing at first, so that elastic soil answers alike either way.
+/// nothing off except beside edges, so that cycles close, and next to nothing at first, so that elastic soil answers
+/// alike either way.
 KEDGE_FUNCTION void fade(ContactPair& pair, const SurfaceMotion& surface)
 {
   if (pair.facing.isZero(0.))
@@ -240,6 +241,11 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
     pair.trial.memory.farthest_in = larger(0., pair.committed.memory.farthest_in - faded_by(pair, -1.));
     pair.trial.memory.approach = pair.approach;
     pair.trial.memory.opening = response.active ? 0. : at.gap;
+  }
+  else if (closest.gap < 0.) // still inside: it starts from there, as one that is found inside
+  {
+    pair.trial.reference_gap = closest.gap;
+    pair.trial.memory.farthest_in = -closest.gap;
   }
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && keeps_multipliers)

@@ -77,6 +77,23 @@ TYPED_TEST(BuriedBox, FindsTheTrueSurfaceOnceItHasLeftItsPlaceFarBehind)
   EXPECT_NEAR(block.load()[2], force_of<TypeParam::value>(5e-3), 1e-9 * force_of<TypeParam::value>(1.));
 }
 
+/// Else corners deep inside would press as soon as they are a little less so.
+TYPED_TEST(BuriedBox, StartsFromItsPlaceInsideOnceItHasLeftTheFirst)
+{
+  const double spacing = test::PressedBlock<TypeParam::value>::spacing;
+  test::PressedBlock<TypeParam::value> block(0., 0.45 * spacing);
+  block.find_pairs(0.1);
+  block.contact.take_reference_gaps(block.bodies);
+  const Vector6 lift = test::translation(0., 0., 0.12 * spacing);
+  block.evaluate([](const auto&, unsigned int) { return 0.; }, lift);
+  block.contact.commit();
+  block.bodies.points[0].pose = block.bodies.points[0].pose.moved(lift);
+  block.find_pairs(0.1);
+  block.evaluate_at_rest();
+  EXPECT_EQ(block.load().norm(), 0.);
+  EXPECT_EQ(block.contact.n_active(), 0);
+}
+
 /// Moves the box and the soil together.
 template <int dim> void move_along(test::PressedBlock<dim>& block, const unsigned int axis, const double distance)
 {
