@@ -230,8 +230,7 @@ template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bo
     if (!closest || !(closest->gap < 0. || pair.bonds))
       continue;
     pair.committed.reference_gap = closest->gap;
-    pair.committed.memory.farthest_off = std::max(0., closest->gap);
-    pair.committed.memory.farthest_in = std::max(0., -closest->gap);
+    pair.committed.memory = begins_at(closest->gap);
     pair.committed.bonded = pair.bonds;
     pair.trial = pair.augmented = pair.committed;
     history[pair.key] = pair.committed;

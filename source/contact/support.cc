@@ -91,9 +91,7 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
     if (parameters.method == ContactMethod::augmented_lagrangian && !state.bonded)
       state.multiplier = state.pressure;
     state.reference_gap = carrier.gap + (state.pressure - state.multiplier) / pair.stiffness.normal;
-    state.memory = {};
-    state.memory.farthest_off = std::max(0., state.reference_gap);
-    state.memory.farthest_in = std::max(0., -state.reference_gap);
+    state.memory = begins_at(state.reference_gap);
     pair.trial = pair.augmented = state;
     history[pair.key] = state;
   }

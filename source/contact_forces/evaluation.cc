@@ -245,7 +245,7 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   else if (closest.gap < 0.) // still inside: it starts from there, as one that is found inside
   {
     pair.trial.reference_gap = closest.gap;
-    pair.trial.memory.farthest_in = -closest.gap;
+    pair.trial.memory = begins_at(closest.gap);
   }
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && keeps_multipliers)

@@ -47,12 +47,6 @@ void RunLog::begin_stage(const SteppingParameters& stepping, const RigidSystems&
   for (const RigidPoint& point : bodies.points)
     stage.start_positions.push_back({{point.pose.position[0], point.pose.position[1], point.pose.position[2]}});
   summary.stages.push_back(stage);
-  if (stepping.type == StageType::dynamic && 2. * stepping.beta < stepping.gamma)
-    terminal.warn(fmt::format(
-        "stage {}: \"beta\", {:g}, is less than half of \"gamma\", {:g}: Newmark's method lets the "
-        "fastest waves of the mesh grow unless steps are as short as explicit ones; (gamma + "
-        "1/2)^2 / 4, here {:g}, is stable",
-        summary.stages.size(), stepping.beta, stepping.gamma, 0.25 * (stepping.gamma + 0.5) * (stepping.gamma + 0.5)));
   write("running");
 }
 
@@ -103,32 +97,31 @@ void RunLog::tell_time_step(const SteppingParameters& stepping, const double cri
 
 void RunLog::tell_removed(const HopelessParticles& removed, const unsigned int step)
 {
-  if (removed.distorted + removed.isolated == 0)
-    return;
-  summary.stages.back().removed_mass += removed.mass;
-  const std::string sentence = fmt::format("step {}: {} distorted and {} isolated material points removed, {:.3g} kg",
-                                           step, removed.distorted, removed.isolated, removed.mass);
-  if (has_warned_of_removed)
-    terminal.line(sentence);
-  else
-    terminal.warn(sentence + "; \"removed mass\" in summary.json tells how much it is in all");
-  has_warned_of_removed = true;
+  if (removed.distorted + removed.isolated > 0)
+    tell_gone(fmt::format("step {}: {} distorted and {} isolated material points removed, {:.3g} kg", step,
+                          removed.distorted, removed.isolated, removed.mass),
+              "\"removed mass\" in summary.json tells how much it is in each stage", removed.mass,
+              has_warned_of_removed);
 }
 
 void RunLog::tell_lost(const LostParticles& lost, const unsigned int step)
 {
   const long long number = lost.number - told_lost.number;
-  if (number == 0)
-    return;
   const double mass = lost.mass - told_lost.mass;
-  const std::string sentence =
-      fmt::format("step {}: {} material points have left the grid, {:.3g} kg", step, number, mass);
-  if (told_lost.number == 0)
-    terminal.warn(sentence + "; they are gone, which a larger domain would prevent");
-  else
-    terminal.line(sentence);
-  summary.stages.back().removed_mass += mass;
+  if (number > 0)
+    tell_gone(fmt::format("step {}: {} material points have left the grid, {:.3g} kg", step, number, mass),
+              "they are gone, which a larger domain would prevent", mass, has_warned_of_lost);
   told_lost = lost;
+}
+
+void RunLog::tell_gone(const std::string& sentence, const std::string& advice, const double mass, bool& has_warned)
+{
+  summary.stages.back().removed_mass += mass;
+  if (has_warned)
+    terminal.line(sentence);
+  else
+    terminal.warn(sentence + "; " + advice);
+  has_warned = true;
 }
 
 void RunLog::count(const NewtonReport& newton, const Clock& clock, const unsigned int step)

@@ -137,6 +137,12 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
         fmt::format("\"poor factor\" {:.3g} takes cells that soil almost fills for boundary cells, which "
                     "the ghost stabilisation stiffens; take 0.25",
                     input.solver.poor_factor));
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+    if (const SteppingParameters& s = input.stages[i].stepping; s.type == StageType::dynamic && 2. * s.beta < s.gamma)
+      warnings.push_back(fmt::format("stage {}: \"beta\", {:g}, is less than half of \"gamma\", {:g}: Newmark's method "
+                                     "lets the fastest waves of the mesh grow unless steps are as short as explicit "
+                                     "ones; (gamma + 1/2)^2 / 4, here {:g}, is stable",
+                                     i + 1, s.beta, s.gamma, 0.25 * (s.gamma + 0.5) * (s.gamma + 0.5)));
   const double factor = input.contact.normal_penalty_factor;
   const auto with_bodies = [](const Stage& stage) { return stage.rigid_bodies; };
   const auto is_explicit = [&](const Stage& stage)

@@ -1,6 +1,7 @@
 // A corner of a particle's domain and a surface that it may touch, as host and kernels know them: plain data.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <kedge/bodies/frame.h>
 #include <kedge/bodies/triangle_tree.h>
@@ -35,6 +36,14 @@ struct ReferenceMemory
   double opening = 0.; ///< how far the corner has left the reference
   BodyApproach approach;
 };
+
+/// Of a corner whose reference gap a burial, or a first place inside, has put there (m).
+KEDGE_FUNCTION ReferenceMemory begins_at(const double reference_gap)
+{
+  ReferenceMemory memory;
+  (reference_gap > 0. ? memory.farthest_off : memory.farthest_in) = std::fabs(reference_gap);
+  return memory;
+}
 
 struct ContactHistory
 {

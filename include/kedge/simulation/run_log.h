@@ -65,6 +65,8 @@ public:
 
 private:
   std::string path() const;
+  /// Counts the mass of points that are gone; a warning with advice at the first time.
+  void tell_gone(const std::string& sentence, const std::string& advice, double mass, bool& has_warned);
   void take_times();
   void take_stock(const std::string& status);
   void write(const std::string& status);
@@ -80,6 +82,7 @@ private:
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
   LostParticles told_lost;
-  bool has_warned_of_removed = false, has_warned_of_cut_domains = false, has_warned_of_no_soil = false;
+  bool has_warned_of_removed = false, has_warned_of_lost = false, has_warned_of_cut_domains = false,
+       has_warned_of_no_soil = false;
 };
 } // namespace kedge

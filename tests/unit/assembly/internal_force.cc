@@ -143,7 +143,7 @@ TYPED_TEST(InternalForce, WeightSumsToTheMassTimesGravity)
 
 TYPED_TEST(InternalForce, IncrementsOfALinearFieldAreExact)
 {
-  // gradient of the position dotted with constants: dF = 1 + g, displacement at the centre of the (clipped) box
+  // gradient of the position dotted with constants: dF = 1 + g, displacement at the centre of the box
   constexpr int dim = TypeParam::value;
   const auto linear = [](const std::array<double, dim>& x, const unsigned int d)
   {

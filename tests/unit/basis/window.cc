@@ -77,20 +77,20 @@ TYPED_TEST(BasisInWindow, SumsToOneAndItsGradientsToZero)
   }
 }
 
-TYPED_TEST(BasisInWindow, HasItsCentreInThatOfTheBoxThatItCuts)
+TYPED_TEST(BasisInWindow, HasItsCentreInThatOfTheBox)
 {
   constexpr int dim = TypeParam::value;
-  unsigned int clipped = 0;
+  unsigned int shrunk = 0;
   for (std::size_t p = 0; p < this->centre.size(); ++p)
   {
     double x = 0.;
     for (const auto& share : test::average_over_box<dim>(this->table(), this->centre[p], this->half_width[p]))
       x += share.value * this->table().node_position[share.node][0];
     const double low = this->centre[p][0] - this->half_width[p][0], high = this->centre[p][0] + this->half_width[p][0];
-    clipped += low < this->lower - 1e-6 || high > this->upper + 1e-6;
+    shrunk += low < this->lower - 1e-6 || high > this->upper + 1e-6;
     EXPECT_NEAR(x, this->centre[p][0], this->round_off);
   }
-  EXPECT_GT(sum_over_ranks(static_cast<long long>(clipped), MPI_COMM_WORLD), 0);
+  EXPECT_GT(sum_over_ranks(static_cast<long long>(shrunk), MPI_COMM_WORLD), 0);
 }
 
 TYPED_TEST(BasisInWindow, NamesNoNodesBeyondThePlanes)

@@ -45,14 +45,14 @@ TYPED_TEST(BuriedBox, ComesBackToThePlaceThatItHasLeft)
   block.find_pairs(0.1);
   block.contact.take_reference_gaps(block.bodies);
   const auto rest = [](const auto&, unsigned int) { return 0.; };
-  for (const double lift :
-       {1.5e-2, -1.6e-2, 2.2e-2, -2.3e-2}) // to 1 mm beyond it; then out of the body and 2 mm beyond
+  struct Move
+  {
+    double lift, beyond; ///< m: of the first place
+  };
+  for (const auto& [lift, beyond] : {Move{1.5e-2, 0.}, Move{-1.6e-2, 1e-3}, Move{2.2e-2, 0.}, Move{-2.3e-2, 2e-3}})
   {
     block.evaluate(rest, test::translation(0., 0., lift));
-    const double beyond = lift > 0.      ? 0.
-                          : lift > -2e-2 ? 1e-3
-                                         : 2e-3,
-                 expected = force_of<TypeParam::value>(beyond + faded(beyond));
+    const double expected = force_of<TypeParam::value>(beyond + faded(beyond));
     EXPECT_NEAR(block.load()[2], expected, 1e-9 * force_of<TypeParam::value>(1.));
     block.contact.commit();
     block.bodies.points[0].pose = block.bodies.points[0].pose.moved(test::translation(0., 0., lift));

@@ -16,6 +16,7 @@ namespace
 using test::checkpointed_input;
 using test::Fresh;
 using test::Interrupted;
+
 /// The contact history of all ranks, in order.
 template <int dim> std::vector<ContactRecord> history(const Contact<dim>& contact, const MPI_Comm communicator)
 {

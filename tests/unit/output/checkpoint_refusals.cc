@@ -10,6 +10,7 @@ namespace
 {
 using test::checkpointed_input;
 using test::Interrupted;
+
 template <typename Dimension> class CheckpointRefusal : public test::CheckpointTest<Dimension>
 {
 };

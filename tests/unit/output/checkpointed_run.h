@@ -65,7 +65,10 @@ template <int dim> struct Interrupted : SoilBlock<dim>
                            noise(id, 5),
                            noise(id, 6) < 0.5,
                            noise(id, 7),
-                           noise(id, 8)});
+                           {noise(id, 8),
+                            noise(id, 9),
+                            noise(id, 10),
+                            {noise(id, 11), noise(id, 12), noise(id, 13), noise(id, 14)}}});
     this->contact.import_history(records, this->particles.ids());
 
     for (unsigned int i = 0; i < 2; ++i)
