@@ -32,6 +32,7 @@ struct Block
     parameters.layers = {layer};
     parameters.K0 = 0.5;
     generate_particles(particles, mesh, parameters, 9.81);
+    set_state_at_rest(particles, mesh.layout(), parameters, 9.81);
     move(shift);
     materials = upload_materials({layer.material});
     discretise();

@@ -80,13 +80,19 @@ void refuse_crushing_stress(const std::vector<ParticleRow>& rows, const Material
   }
 }
 
+template <int dim>
+std::vector<ParticleRow> rows_of(const GridLayout<dim>& grid, const MaterialPointParameters& parameters,
+                                 const double gravity)
+{
+  return make_rows(grid.base_size / parameters.points_per_axis, grid.soil_extent[dim - 1], parameters.layers, gravity);
+}
+
 /// What all particles of a block have in common.
 template <int dim> struct Block
 {
   const MaterialPointParameters& parameters;
-  double spacing, height;                ///< of particles along x and y, of the block, m
+  double spacing;                        ///< of particles along x and y, m
   std::array<long long, dim> per_axis{}; ///< particles along the horizontal axes
-  std::vector<Material> materials;       ///< by layer
 };
 
 /// A particle before it enters the handler.
@@ -130,15 +136,9 @@ NewParticle<dim> make_particle(const Block<dim>& block, const dealii::Point<dim>
   for (unsigned int d = 0; d < 3; ++d)
     data[field::deformation_gradient + 4 * d] = 1.;
 
-  // Material: what depends on the depth is fixed here.
-  const MaterialParameters& material = block.parameters.layers[row.layer].material;
   data[field::initial_volume] = volume;
-  data[field::mass] = material.density * volume;
-  data[field::young] = effective_young(material, row.vertical_stress);
+  data[field::mass] = block.parameters.layers[row.layer].material.density * volume;
   data[field::layer] = row.layer;
-  initialise_state(block.materials[row.layer], {block.height - middle, row.vertical_stress}, data + field::law_state);
-  if (block.parameters.K0)
-    set_initial_stress(data, dim - 1, row.vertical_stress, *block.parameters.K0, material.poisson);
   return particle;
 }
 } // namespace
@@ -149,15 +149,12 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
 {
   const GridLayout<dim>& grid = mesh.layout();
   const unsigned int n = parameters.points_per_axis;
-  Block<dim> block{parameters, grid.base_size / n, grid.soil_extent[dim - 1], {}, {}};
+  Block<dim> block{parameters, grid.base_size / n, {}};
   for (unsigned int d = 0; d < dim - 1; ++d)
     block.per_axis[d] = (grid.soil_extent[d] > 0. ? std::llround(grid.soil_extent[d] / grid.base_size)
                                                   : static_cast<long long>(grid.base_cells[d])) *
                         n;
-  for (const Layer& layer : parameters.layers)
-    block.materials.push_back(make_material(layer.material));
-  const std::vector<ParticleRow> rows = make_rows(block.spacing, block.height, parameters.layers, gravity);
-
+  const std::vector<ParticleRow> rows = rows_of(grid, parameters, gravity);
   if (parameters.K0)
     refuse_crushing_stress(rows, parameters);
 
@@ -198,6 +195,38 @@ void generate_particles(ParticleSet<dim>& particles, BackgroundMesh<dim>& mesh,
   handler.update_cached_numbers();
 }
 
-template void generate_particles<2>(ParticleSet<2>&, BackgroundMesh<2>&, const MaterialPointParameters&, double);
-template void generate_particles<3>(ParticleSet<3>&, BackgroundMesh<3>&, const MaterialPointParameters&, double);
+template <int dim>
+void set_state_at_rest(ParticleSet<dim>& particles, const GridLayout<dim>& grid,
+                       const MaterialPointParameters& parameters, const double gravity)
+{
+  std::vector<Material> materials;
+  for (const Layer& layer : parameters.layers)
+    materials.push_back(make_material(layer.material));
+  const std::vector<ParticleRow> rows = rows_of(grid, parameters, gravity);
+  for (auto& particle : particles.edit())
+  {
+    double* data = particle.get_properties().data();
+    const auto layer = static_cast<std::size_t>(data[field::layer]);
+    const MaterialParameters& material = parameters.layers[layer].material;
+    const double z = particle.get_location()[dim - 1];
+    const auto above =
+        std::upper_bound(rows.begin() + 1, rows.end(), z,
+                         [](const double height, const ParticleRow& row) { return height < row.bottom; });
+    const ParticleRow& row = *(above - 1);
+    const double vertical_stress =
+        row.vertical_stress + material.density * gravity * (0.5 * (row.bottom + row.top) - z);
+    data[field::young] = effective_young(material, vertical_stress);
+    initialise_state(materials[layer], {grid.soil_extent[dim - 1] - z, vertical_stress}, data + field::law_state);
+    if (parameters.K0)
+      set_initial_stress(data, dim - 1, vertical_stress, *parameters.K0, material.poisson);
+  }
+}
+
+#define KEDGE_INSTANTIATE(dim)                                                                                         \
+  template void generate_particles<dim>(ParticleSet<dim>&, BackgroundMesh<dim>&, const MaterialPointParameters&,       \
+                                        double);                                                                       \
+  template void set_state_at_rest<dim>(ParticleSet<dim>&, const GridLayout<dim>&, const MaterialPointParameters&,      \
+                                       double);
+KEDGE_INSTANTIATE(2)
+KEDGE_INSTANTIATE(3)
 } // namespace kedge

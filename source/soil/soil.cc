@@ -120,9 +120,19 @@ template <int dim> long long Soil<dim>::count_cells() const
 template <int dim> void Soil<dim>::generate(const double gravity)
 {
   generate_particles(points, grid, given, gravity);
+  gravity_at_rest = gravity;
+  set_initial_state();
+  points.balance_load(particle_cost);
+}
+
+/// Again after each split before the first step.
+template <int dim> void Soil<dim>::set_initial_state()
+{
+  if (!gravity_at_rest)
+    return;
+  set_state_at_rest(points, grid.layout(), given, *gravity_at_rest);
   if (!given.initial_velocity.empty())
     set_initial_velocity(points, given.initial_velocity, communicator());
-  points.balance_load(particle_cost);
 }
 
 template <int dim> void Soil<dim>::place_window(const RigidSystems& bodies, const BoundaryTrack& track)
@@ -185,6 +195,7 @@ template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adapt
   guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
   if (adaptivity.merge)
     merge();
+  set_initial_state();
   return true;
 }
 
@@ -197,6 +208,7 @@ template <int dim> bool Soil<dim>::split(const RigidSystems& bodies)
   if (balance_where_it_pays())
     guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
   follow_particles();
+  set_initial_state();
   return true;
 }
 
@@ -237,6 +249,7 @@ template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, cons
     contacts.commit();
   }
   guess = increments.prediction;
+  gravity_at_rest.reset();
   const DomainUpdate automatic = given.f_bar ? DomainUpdate::flow : DomainUpdate::none;
   points.commit(increments.particles, given.domain_update == DomainUpdate::automatic ? automatic : given.domain_update);
   follow_particles();

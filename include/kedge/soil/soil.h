@@ -88,6 +88,7 @@ public:
 
 private:
   void set_window(const Window<dim>& window, const BoundaryTrack& track);
+  void set_initial_state();
   bool balance_where_it_pays();
   void merge();
   void follow_particles();
@@ -98,7 +99,8 @@ private:
   Materials laws;
   Contact<dim> contacts;
   Prediction guess;
-  long long deleted = 0; ///< without those that the particle set lost
+  long long deleted = 0;                 ///< without those that the particle set lost
+  std::optional<double> gravity_at_rest; ///< m/s2, until the first step is committed
 };
 
 /// A material point's work in a step relative to that of an empty cell, for the partition.
