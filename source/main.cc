@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fmt/format.h>
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
@@ -16,12 +15,17 @@ namespace
 {
 using kedge::ExitCode;
 
+/// For words_for_cli() only.
+constexpr const char* restart_auto = "--restart-auto";
+
+/// Whether all of it was written is seen at the end.
+void print(const std::string& text) { std::fputs(text.c_str(), stdout); }
+
 struct Arguments
 {
   std::string file, output;
   std::vector<std::string> overrides;
-  bool cpu = false, quiet = false, verbose = false, json = false;
-  std::string restart; ///< "", "yes" or "auto"
+  bool cpu = false, quiet = false, verbose = false, json = false, restarts = false, restarts_if_possible = false;
   kedge::SystemToDump dumped;
 };
 
@@ -44,9 +48,9 @@ ExitCode run(const Arguments& arguments, const bool dumps)
                                  : arguments.output;
   options.quiet = arguments.quiet;
   options.verbose = arguments.verbose;
-  options.restart = arguments.restart.empty()     ? kedge::Restart::no
-                    : arguments.restart == "auto" ? kedge::Restart::automatic
-                                                  : kedge::Restart::yes;
+  options.restart = arguments.restarts_if_possible ? kedge::Restart::automatic
+                    : arguments.restarts           ? kedge::Restart::yes
+                                                   : kedge::Restart::no;
   if (dumps)
     options.dumps = arguments.dumped;
   return kedge::run_simulation(input, options);
@@ -57,8 +61,7 @@ void check(const Arguments& arguments)
   const kedge::Input input = kedge::read_input(arguments.file, arguments.overrides);
   kedge::refuse_unavailable_features(input);
   const kedge::CheckResult result = kedge::check_scene(input);
-  fmt::print("{}",
-             arguments.json ? kedge::check_as_json(input, result) : kedge::format_check(input, result, arguments.file));
+  print(arguments.json ? kedge::check_as_json(input, result) : kedge::format_check(input, result, arguments.file));
 }
 
 void add_file_arguments(CLI::App& command, Arguments& arguments)
@@ -79,22 +82,22 @@ void add_run_arguments(CLI::App& command, Arguments& arguments, const std::strin
   command.add_flag("-q,--quiet", arguments.quiet, "Print warnings and errors only");
   command.add_flag("-v,--verbose", arguments.verbose, "Print the residuals of Newton's iterations of every step")
       ->excludes("--quiet");
-  command
-      .add_flag(
-          "--restart{yes}", arguments.restart,
-          "Continue from the newest sound restart file in the output folder; \"--restart auto\": where there is one, "
-          "else begin anew")
-      ->check(CLI::IsMember({"yes", "auto"}));
+  command.add_flag("--restart", arguments.restarts,
+                   "Continue from the newest sound restart file in the output folder; \"--restart auto\": where there "
+                   "is one, else begin anew");
+  command.add_flag(restart_auto, arguments.restarts_if_possible)->group(""); // not in the help
 }
 
 /// The words for CLI11, in reverse, as it reads a list: without the options that Kokkos reads, and with "--restart
-/// auto" as one word, "--restart=auto", since CLI11 would take "auto" for the input file.
+/// auto" as one flag, since CLI11 would take "auto" for the input file.
 std::vector<std::string> words_for_cli(const std::vector<std::string>& words)
 {
   std::vector<std::string> kept;
   for (const std::string& word : words)
     if (word == "auto" && !kept.empty() && kept.back() == "--restart")
-      kept.back() += "=auto";
+      kept.back() = restart_auto;
+    else if (word == "--restart=auto")
+      kept.push_back(restart_auto);
     else if (word.rfind("--kokkos-", 0) != 0)
       kept.push_back(word);
   std::reverse(kept.begin(), kept.end());
@@ -105,14 +108,14 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
 {
   CLI::App app("Kedge: the material point method for anchors, plates, cones and ploughs in soil");
   app.name("kedge");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1); // CLI11 names a word that is none only where it does not miss one
   app.set_version_flag("--version", kedge::describe_versions());
-  app.footer(
-      "Under MPI: mpirun -n 2 kedge run FILE.json\n"
-      "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
-      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 a file could not be read or written,\n"
-      "            1 too little memory or a mistake in the program,\n"
-      "            143 ended by SIGTERM or SIGUSR1, 130 by SIGINT (Ctrl-C), after a restart file was written");
+  app.footer("Under MPI: mpirun -n 2 kedge run FILE.json\n"
+             "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
+             "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 results could not be written "
+             "or a restart file not be read,\n"
+             "            1 too little memory or a mistake in the program,\n"
+             "            143 ended by SIGTERM or SIGUSR1, 130 by SIGINT (Ctrl-C), after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -148,20 +151,22 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   CLI::App& schema_command = *app.add_subcommand("schema", "Print the JSON Schema of the input, or its manual");
   bool manual = false;
   schema_command.add_flag("--manual", manual, "Print the parameter reference in Markdown instead");
-  schema_command.final_callback([&]
-                                { fmt::print("{}", manual ? kedge::input_manual() : kedge::input_schema() + "\n"); });
+  schema_command.final_callback([&] { print(manual ? kedge::input_manual() : kedge::input_schema() + "\n"); });
 
   kedge::add_geometry_command(app);
   try
   {
     app.parse(words_for_cli({argv + 1, argv + argc}));
+    if (app.get_subcommands().empty())
+      throw CLI::RequiredError::Subcommand(1);
   }
   catch (const CLI::ParseError& error)
   {
-    return app.exit(error) == 0 ? kedge::success : kedge::bad_input;
+    if (app.exit(error) != 0)
+      return kedge::bad_input;
   }
   const bool runs = run_command.parsed() || dump_command.parsed(); // whose results are in files
-  if (std::fflush(stdout) != 0 && !runs)
+  if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && !runs)
     throw kedge::FileError("standard output", "cannot be written; see whether the disk is full");
   return code;
 }

@@ -71,18 +71,18 @@ def main(arguments=None):
         except OSError as error:
             raise PlotError(f"{target}: cannot be created ({error.strerror})") from error
         caption = _caption(run)
-        both = options.resistance == options.section
+        both = not options.resistance and not options.section
         drawn = [_attempt(plot, both, run, target, options, caption)
                  for plot, asked in ((_plot_resistance, options.resistance), (_plot_section, options.section))
                  if asked or both]
     except RunError as error:
         print(f"kedge-plot: {error}", file=sys.stderr)
         return 1
-    return 0 if any(drawn) else 1
+    return 0 if True in drawn and False not in drawn else 1
 
 
 def _attempt(plot, may_fail, run, target, options, caption):
-    """Draws one figure. If it may fail, only prints what the folder lacks."""
+    """Draws one figure. If it may fail, only prints why; False where that is no matter of files that are not there."""
     try:
         print(plot(run, target, options, caption))
         return True
@@ -90,7 +90,7 @@ def _attempt(plot, may_fail, run, target, options, caption):
         if not may_fail:
             raise
         print(f"kedge-plot: {error}", file=sys.stderr)
-        return False
+        return False if isinstance(error, PlotError) else None
 
 
 def _caption(run):

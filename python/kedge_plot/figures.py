@@ -9,6 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection, TriMesh  # no
 from matplotlib.tri import Triangulation  # noqa: E402
 from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
 
+from . import PlotError
 from .filling import triangles_between  # noqa: E402
 from .section import Backdrop  # noqa: E402
 from .smoothing import edge_places, edge_values, rectangle_corners  # noqa: E402
@@ -153,5 +154,9 @@ def _finish(figure, axes, caption, path):
     if caption:
         axes.annotate(caption, (1., 1.), (0., 3.), xycoords="axes fraction", textcoords="offset points", ha="right",
                       va="bottom", fontsize=6, color="0.45")
-    figure.savefig(path, bbox_inches="tight", pad_inches=0.04)
-    plt.close(figure)
+    try:
+        figure.savefig(path, bbox_inches="tight", pad_inches=0.04)
+    except OSError as error:
+        raise PlotError(f"{path}: cannot be written ({error.strerror})") from error
+    finally:
+        plt.close(figure)

@@ -89,10 +89,13 @@ void check_outline(const std::vector<Point>& outline, const std::string& json_pa
   if (n < 3)
     throw InputError(json_path, fmt::format("an outline of {} points encloses nothing", n),
                      "give at least three points");
+  double length = 0.;
+  for (std::size_t i = 0; i < n; ++i)
+    length += distance(outline[i], outline[(i + 1) % n]);
   for (std::size_t i = 0; i < n; ++i)
   {
     const Point &a = outline[i], &b = outline[(i + 1) % n];
-    if (a == b)
+    if (distance(a, b) <= 1e-9 * length) // the same but for round-off
       throw InputError(json_path, "the outline repeats the point " + text_of(a),
                        "remove one; the outline closes by itself");
   }

@@ -199,7 +199,13 @@ void add_ac14(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
 void add_geometry_command(CLI::App& app)
 {
   CLI::App& geometry = *app.add_subcommand("geometry", "Write a body as an STL file and print its mass properties");
-  geometry.require_subcommand(1);
+  geometry.require_subcommand(0, 1); // CLI11 names a word that is no body only where it does not miss one
+  geometry.final_callback(
+      [&geometry]
+      {
+        if (geometry.get_subcommands().empty())
+          throw CLI::RequiredError::Subcommand(1);
+      });
   const auto dimensions = std::make_shared<Dimensions>();
   add_plate(geometry, dimensions);
   add_frustum(geometry, dimensions);

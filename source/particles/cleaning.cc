@@ -176,10 +176,27 @@ private:
   const LeafTable<dim>& table;
   std::vector<long long> count;
 };
+
+/// Returns their number over all ranks; `weigh` is called for each.
+template <int dim, typename Weigh>
+long long remove_isolated(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh, const Weigh& weigh)
+{
+  const Centres<dim> centres(particles, mesh);
+  long long alone = 0;
+  for (const auto& particle : particles.handler())
+    alone += centres.is_alone(particle);
+  if (sum_over_ranks(alone, mesh.communicator()) == 0)
+    return 0;
+  const Crowding<dim> crowding(particles, mesh);
+  return particles.remove_if(
+      [&](const auto& particle)
+      { return centres.is_alone(particle) && crowding.is_isolated(particle) && weigh(particle); });
+}
 } // namespace
 
 template <int dim>
-HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh)
+HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
+                                            const bool has_inertia)
 {
   HopelessParticles removed;
   double mass = 0.;
@@ -191,22 +208,13 @@ HopelessParticles remove_hopeless_particles(ParticleSet<dim>& particles, const B
   };
   removed.distorted =
       particles.remove_if([&](const auto& particle) { return is_distorted<dim>(particle) && weigh(particle); });
-  const Centres<dim> centres(particles, mesh);
-  long long alone = 0;
-  for (const auto& particle : particles.handler())
-    alone += centres.is_alone(particle);
-  if (sum_over_ranks(alone, mesh.communicator()) > 0)
-  {
-    const Crowding<dim> crowding(particles, mesh);
-    removed.isolated = particles.remove_if(
-        [&](const auto& particle)
-        { return centres.is_alone(particle) && crowding.is_isolated(particle) && weigh(particle); });
-  }
+  if (!has_inertia)
+    removed.isolated = remove_isolated(particles, mesh, weigh);
   if (removed.distorted + removed.isolated > 0) // which all ranks know: most steps need no sum
     removed.mass = sum_over_ranks(mass, mesh.communicator());
   return removed;
 }
 
-template HopelessParticles remove_hopeless_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&);
-template HopelessParticles remove_hopeless_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&);
+template HopelessParticles remove_hopeless_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, bool);
+template HopelessParticles remove_hopeless_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, bool);
 } // namespace kedge

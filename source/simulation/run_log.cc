@@ -156,7 +156,7 @@ void RunLog::warn_of_no_soil(const long long points, const unsigned int step)
   has_warned_of_no_soil = has_warned_of_no_soil || points == 0;
 }
 
-void RunLog::progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state)
+void RunLog::progress(const NewtonReport& newton, const Clock& clock, const double share, const StepSummary& state)
 {
   StageSummary& stage = summary.stages.back();
   stage.penetration = std::max(stage.penetration, state.penetration);
@@ -166,7 +166,7 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const Step
   shown.time = clock.steps_done() * step_length;
   shown.end = clock.requested_steps() * step_length;
   shown.step = state.step;
-  shown.increment = clock.step_fraction() * step_length;
+  shown.increment = share * step_length;
   shown.iterations = newton.iterations;
   shown.is_explicit = stage.type == name_of(StageType::explicit_);
   shown.krylov_iterations = newton.krylov_iterations;

@@ -154,6 +154,7 @@ template <int dim> bool Simulation<dim>::run_stage()
   {
     log.timings().begin_step(step_number + 1);
     const NewtonReport report = attempt_step(clock);
+    const double share = clock.step_fraction();
     if (has_dumped(report))
       return false;
     if (report.converged)
@@ -165,7 +166,7 @@ template <int dim> bool Simulation<dim>::run_stage()
     log.count(report, clock, step_number);
     if (report.converged)
     {
-      log.progress(report, clock, summarise_step());
+      log.progress(report, clock, share, summarise_step());
       write_output(clock, false);
       if (clock.at_end())
         end_stage();
@@ -280,7 +281,7 @@ template <int dim> void Simulation<dim>::move_window()
 template <int dim> void Simulation<dim>::clean()
 {
   const auto scope = log.timings().measure("clean");
-  log.tell_removed(soil.clean(), step_number);
+  log.tell_removed(soil.clean(stage->stepping.type != StageType::static_), step_number);
 }
 
 template <int dim> void Simulation<dim>::adapt()

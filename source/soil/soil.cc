@@ -167,9 +167,9 @@ template <int dim> void Soil<dim>::set_window(const Window<dim>& window, const B
   guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
 }
 
-template <int dim> HopelessParticles Soil<dim>::clean()
+template <int dim> HopelessParticles Soil<dim>::clean(const bool has_inertia)
 {
-  const HopelessParticles removed = remove_hopeless_particles(points, grid);
+  const HopelessParticles removed = remove_hopeless_particles(points, grid, has_inertia);
   deleted += removed.distorted + removed.isolated;
   return removed;
 }

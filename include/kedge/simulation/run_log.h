@@ -50,7 +50,8 @@ public:
   void tell_lost(const LostParticles& lost, unsigned int step);
   /// Counts an attempt at a step, converged or not.
   void count(const NewtonReport& newton, const Clock& clock, unsigned int step);
-  void progress(const NewtonReport& newton, const Clock& clock, const StepSummary& state);
+  /// `share`: of a requested step, what the step just made was; the clock is after it.
+  void progress(const NewtonReport& newton, const Clock& clock, double share, const StepSummary& state);
   /// Warns once where domains of this rank, `here`, or another one's are cut as ParticleSet::n_cut says. Collective.
   void warn_of_cut_domains(long long here, unsigned int step);
   /// Warns once where none of all ranks' material points are left.

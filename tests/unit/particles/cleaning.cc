@@ -13,7 +13,10 @@ public:
   static constexpr int dim = Dimension::value;
   using Block = test::SoilBlock<dim>;
 
-  HopelessParticles clean() { return remove_hopeless_particles(block.particles, block.mesh); }
+  HopelessParticles clean(const bool has_inertia = false)
+  {
+    return remove_hopeless_particles(block.particles, block.mesh, has_inertia);
+  }
 
   /// Changes the properties of every tenth particle; returns how many those are.
   template <typename Change> long long change_some(const Change& change)
@@ -123,6 +126,13 @@ TYPED_TEST(Cleaning, RemovesIsolatedParticles)
   EXPECT_EQ(this->clean().isolated, 2);
 }
 
+TYPED_TEST(Cleaning, KeepsIsolatedParticlesThatFlyOn)
+{
+  this->keep_only({0.375, 1.125});
+  EXPECT_EQ(this->clean(true).isolated, 0);
+  EXPECT_EQ(this->block.particles.n_global(), 2);
+}
+
 TYPED_TEST(Cleaning, RemovesNeighboursAcrossACorner)
 {
   const auto is_on_diagonal = [](const auto& x)
@@ -159,7 +169,8 @@ TYPED_TEST(Cleaning, IsAlikeOnAnyNumberOfRanks)
   test::SoilBlock<TypeParam::value> alone(MPI_COMM_SELF);
   this->thin_out(alone);
   this->thin_out(this->block);
-  const HopelessParticles expected = remove_hopeless_particles(alone.particles, alone.mesh), found = this->clean();
+  const HopelessParticles expected = remove_hopeless_particles(alone.particles, alone.mesh, false),
+                          found = this->clean();
   ASSERT_GT(expected.isolated, 0);
   EXPECT_EQ(found.isolated, expected.isolated);
   const auto left = this->block.records(), expected_left = alone.records();

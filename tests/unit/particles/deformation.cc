@@ -75,7 +75,7 @@ TYPED_TEST(Deformation, LeavesADomainThatOnlyTurnsAsItIs)
   }
   this->deform(this->turn(95.));
   EXPECT_LT(this->worst_half_width(Eigen::Vector3d::Ones()), 1e-12);
-  remove_hopeless_particles(this->block.particles, this->block.mesh);
+  remove_hopeless_particles(this->block.particles, this->block.mesh, false);
   EXPECT_EQ(this->block.particles.n_global(), n);
   EXPECT_NEAR(this->mass(), before, 1e-12 * before);
 }
@@ -107,7 +107,7 @@ TYPED_TEST(Deformation, KeepsSoilThatOpensWithoutStress)
     Kokkos::deep_copy(this->block.particles.arrays().trial_strain, 0.);
     Kokkos::deep_copy(this->block.particles.arrays().trial_stress, 0.);
     this->deform(opening);
-    EXPECT_EQ(remove_hopeless_particles(this->block.particles, this->block.mesh).distorted, 0);
+    EXPECT_EQ(remove_hopeless_particles(this->block.particles, this->block.mesh, false).distorted, 0);
   }
   EXPECT_NEAR(this->mass(), before, 1e-12 * before);
   for (const auto& record : this->block.records())
@@ -119,6 +119,6 @@ TYPED_TEST(Deformation, RemovesSoilThatIsElasticallyBeyondItsVolume)
   for (auto& particle : this->block.particles.edit())
     if (particle.get_id() % 2 == 0)
       particle.get_properties()[field::elastic_strain] = particle.get_id() % 4 == 0 ? 2.4 : -2.4; // ln 10 is 2.3
-  const long long removed = remove_hopeless_particles(this->block.particles, this->block.mesh).distorted;
+  const long long removed = remove_hopeless_particles(this->block.particles, this->block.mesh, false).distorted;
   EXPECT_NEAR(removed, 0.5 * (this->block.particles.n_global() + removed), 1.);
 }

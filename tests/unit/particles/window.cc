@@ -116,7 +116,7 @@ TYPED_TEST(WaitingParticles, AreNoCompanyForAnActiveOne)
         const double x = particle.get_location()[0];
         return x > this->lower && x < this->upper && static_cast<long long>(particle.get_id()) != kept;
       });
-  EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh).isolated, 1);
+  EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh, false).isolated, 1);
 }
 
 TYPED_TEST(WaitingParticles, AreNotRemovedForBeingAlone)
@@ -129,5 +129,5 @@ TYPED_TEST(WaitingParticles, AreNotRemovedForBeingAlone)
   this->particles.remove_if(
       [&](const auto& particle)
       { return particle.get_location()[0] < 1. && static_cast<long long>(particle.get_id()) != kept; });
-  EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh).isolated, 0);
+  EXPECT_EQ(remove_hopeless_particles(this->particles, this->mesh, false).isolated, 0);
 }
