@@ -1,7 +1,9 @@
 // The command line: reads arguments, calls one function per subcommand and turns errors into exit codes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <kedge/base/environment.h>
 #include <kedge/base/exceptions.h>
@@ -170,10 +172,14 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
     throw kedge::FileError("standard output", "cannot be written; see whether the disk is full");
   return code;
 }
+
+/// For SIGUSR1 while no run listens to it, with the exit code that job scripts look for.
+void end_at_once(int) { std::_Exit(kedge::told_to_end); }
 } // namespace
 
 int main(int argc, char** argv)
 {
+  std::signal(SIGUSR1, end_at_once);
   kedge::Environment environment(argc, argv);
   return kedge::exit_code_of("kedge", [&] { return run_program(environment, argc, argv); });
 }

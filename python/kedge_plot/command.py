@@ -121,8 +121,17 @@ def _plot_resistance(run, target, options, caption):
     return text
 
 
+def _require_ranges(option, numbers):
+    for low, high in zip(numbers[::2], numbers[1::2]):
+        if not low < high:
+            raise PlotError(f"{option}: {low:g} is not less than {high:g}")
+
+
 def _plot_section(run, target, options, caption):
     from .figures import draw_section
+
+    _require_ranges("--limits", options.limits or [])
+    _require_ranges("--window", options.window or [])
 
     grids, step = run.soil(options.step)
     since, note = _subtract_start(run, grids, step, options)

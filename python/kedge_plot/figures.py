@@ -60,6 +60,9 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
     """Draws the soil with the bodies' outline. limits: range of the colours, in the drawn unit; window: part of the
     plane (left, right, bottom, top), m; blocks: one colour per material point."""
     unit, factor = unit_of(field)
+    if np.isnan(section.values).all():
+        raise PlotError(f"no material point in the section has a value of \"{field}\"")
+    blocks = blocks or np.isnan(section.values).any()  # no colours run smoothly where some have none
     left, right, bottom, top = window or _extent(section)
     with plt.rc_context(_STYLE):
         width = 6.3
@@ -92,7 +95,7 @@ def add_soil(axes, section, factor, limits=None, blocks=False):
                                            _add_filling(axes, section, factor, section.outline),
                                            draw(axes, section, factor, section.outline)) if collection]
     if limits is None:
-        limits = factor * section.values.min(), factor * section.values.max()
+        limits = factor * np.nanmin(section.values), factor * np.nanmax(section.values)
     for collection in drawn:
         collection.set_clim(*limits)
     return drawn[-1]
@@ -132,7 +135,7 @@ def _add_shaded(axes, triangulation, values):
 
 def _beyond(values, lowest, highest):
     """At which ends of a colour bar some values lie beyond it, in matplotlib's words."""
-    below, above = values.min() < lowest, values.max() > highest
+    below, above = np.nanmin(values) < lowest, np.nanmax(values) > highest
     return "both" if below and above else "min" if below else "max" if above else "neither"
 
 

@@ -43,6 +43,7 @@ def cut(grids, surface, plane, at, field, mesh=None):
     lower, upper, values, missed = [], [], [], []
     for grid in grids:
         boxes, value = box_bounds(grid), evaluate(grid.cell_data, field)
+        value = np.where(np.isfinite(value), value, np.nan)  # some fields have no value everywhere
         hit = _crossing(boxes, normal, at)
         lower.append(boxes[0][hit][:, kept])
         upper.append(boxes[1][hit][:, kept])

@@ -33,9 +33,9 @@ def parser():
                          help="run nothing: draw the runs that are there and those of the kept table")
     options.add_argument("--quick", action="store_true", help="make the smallest form of the study, as the tests do")
     options.add_argument("--parts", nargs="+", metavar="PART", help="only these parts (default: all)")
-    options.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N",
+    options.add_argument("--jobs", type=_count, default=os.cpu_count(), metavar="N",
                          help="cores to use (default: all, %(default)s)")
-    options.add_argument("--budget", metavar="TIME",
+    options.add_argument("--budget", type=_time, metavar="TIME",
                          help="wall time for the runs, such as \"30 min\": dearer runs are left out (default: none)")
     options.add_argument("--program", type=pathlib.Path, default=default_program(),
                          help="kedge to run (default: %(default)s)")
@@ -47,6 +47,20 @@ def parser():
     options.add_argument("--again", action="store_true", help="repeat the runs that are there")
     options.add_argument("--mix", action="store_true", help="allow results of several versions of the program")
     return options
+
+
+def _count(text):
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text}: use at least 1")
+    return number
+
+
+def _time(text):
+    try:
+        return seconds(text)
+    except (KeyError, ValueError) as error:
+        raise argparse.ArgumentTypeError(f"{text}: write a number and s, min or h, such as \"30 min\"") from error
 
 
 def main(arguments=None):
@@ -109,7 +123,7 @@ def _run(study, cases, work, options):
         print(f"{study.name}: all {len(cases)} runs are there")
         return True
     execute.estimate(study, jobs, options.jobs)
-    fit, left = execute.affordable(jobs, seconds(options.budget) if options.budget else float("inf"), options.jobs)
+    fit, left = execute.affordable(jobs, options.budget or float("inf"), options.jobs)
     for job, reason in left:
         print(f"left out: {job.case.name}: {reason}")
     total = sum(job.seconds for job in fit)

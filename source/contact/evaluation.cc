@@ -160,6 +160,11 @@ template <int dim> double Contact<dim>::deepest_penetration() const
   return max_over_ranks(kedge::deepest_penetration(arrays_of_last_evaluation()), communicator);
 }
 
+template <int dim> double Contact<dim>::largest_compression() const
+{
+  return max_over_ranks(largest_excess(arrays_of_last_evaluation()), communicator);
+}
+
 template class Contact<2>;
 template class Contact<3>;
 } // namespace kedge

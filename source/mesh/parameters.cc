@@ -122,7 +122,8 @@ Section<BoundaryConditions> boundary_conditions_section()
   Section<P> section("Conditions on the faces of the grid");
   section.required("min", &P::min, faces, "Faces at the lower end of each axis");
   section.required("max", &P::max, faces,
-                   "Faces at the upper end of each axis; that of z lies at twice the soil's thickness, above the soil");
+                   "Faces at the upper end of each axis; that of z lies above the soil: at twice its thickness, or "
+                   "where \"extent\" ends");
   return section;
 }
 

@@ -47,7 +47,7 @@ Section<MaterialPointParameters> material_points_section()
   section.required(
       "number of material points per element 1", &P::points_per_axis, count(Bounds().at_least(1)),
       "Material points per cell along each axis: 2. One leaves empty cells as soon as soil stretches; 3 or "
-      "4 change bearing factors in clay by 0.2 to 1.4 %, cost two to eight times as much, and make walls in "
+      "4 change factors of short pushes in clay by 0.7 % at most, cost two to eight times as much, and make walls in "
       "sand that dilates worse");
   section.group("material size", Key::Presence::required, material_size_section(), "Plan extent of the block");
   section.required("layers", &P::layers, list_of(object_of(layer_section()), 1), "Soil layers from the surface down");

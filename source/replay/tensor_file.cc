@@ -28,7 +28,10 @@ void TensorWriter::begin_numbers()
   std::string text = header.dump();
   text.resize((text.size() + alignment - 1) / alignment * alignment, ' ');
   const std::uint64_t size = text.size();
-  file.open(path, std::ios::binary);
+  std::error_code unknown;
+  const bool is_device = std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
+  draft = path + (is_device ? "" : ".new"); // what stands in the place of a device is none
+  file.open(draft, std::ios::binary);
   file.write(reinterpret_cast<const char*>(&size), sizeof(size));
   file.write(text.data(), static_cast<std::streamsize>(size));
   header_is_written = true;
@@ -37,10 +40,13 @@ void TensorWriter::begin_numbers()
 void TensorWriter::close()
 {
   file.close();
-  if (file)
+  std::error_code problem, ignored;
+  if (file && draft != path)
+    std::filesystem::rename(draft, path, problem);
+  if (file && !problem)
     return;
-  std::error_code ignored;
-  std::filesystem::remove(path, ignored);
+  if (draft != path)
+    std::filesystem::remove(draft, ignored);
   throw FileError(path, "cannot be written; see whether the folder exists and the disk is full");
 }
 

@@ -12,25 +12,27 @@ namespace
 {
 volatile std::sig_atomic_t told = 0; // the signal; a handler can reach nothing else
 volatile std::sig_atomic_t speaks = 0;
-constexpr int all_signals[] = {SIGTERM, SIGINT, SIGUSR1};
+constexpr int all_signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGHUP};
 
 void note(const int signal)
 {
   if (speaks != 0 && told == 0)
   {
     constexpr char text[] =
-        "\nkedge: told to end: after this step, with a restart file; a second signal ends it at once\n";
+        "\nkedge: told to end: after this step, with a restart file; a second SIGTERM or Ctrl-C ends it at once\n";
     [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text, sizeof(text) - 1);
   }
-  told = signal;
-  if (signal != SIGUSR1)
-    std::signal(signal, SIG_DFL);
+  if (told == 0)
+    told = signal;
+  if (signal == SIGTERM || signal == SIGINT)
+    for (const int deadly : {SIGTERM, SIGINT})
+      std::signal(deadly, SIG_DFL);
 }
 } // namespace
 
 const char* name_of_signal(const int signal)
 {
-  return signal == SIGTERM ? "SIGTERM" : signal == SIGINT ? "SIGINT" : "SIGUSR1";
+  return signal == SIGTERM ? "SIGTERM" : signal == SIGINT ? "SIGINT" : signal == SIGHUP ? "SIGHUP" : "SIGUSR1";
 }
 
 std::string restart_folder(const OutputParameters& parameters, const std::string& output_directory)
@@ -43,8 +45,12 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
 {
   told = 0;
   speaks = rank_of(MPI_COMM_WORLD) == 0;
-  for (const int signal : all_signals)
-    std::signal(signal, note);
+  for (std::size_t i = 0; i < handlers_before.size(); ++i)
+  {
+    handlers_before[i] = std::signal(all_signals[i], note);
+    if (handlers_before[i] == SIG_IGN) // as nohup and shells' background jobs ask
+      std::signal(all_signals[i], SIG_IGN);
+  }
   if (parameters.checkpoint_every.empty())
     return;
   std::istringstream text(parameters.checkpoint_every);
@@ -59,8 +65,8 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
 
 CheckpointSchedule::~CheckpointSchedule()
 {
-  for (const int signal : all_signals)
-    std::signal(signal, SIG_DFL);
+  for (std::size_t i = 0; i < handlers_before.size(); ++i)
+    std::signal(all_signals[i], handlers_before[i]);
 }
 
 void CheckpointSchedule::make_folder() const

@@ -116,6 +116,19 @@ Section<Input> input_section()
   return section;
 }
 
+/// Stiff springs set small time steps, and noise of the points in them speed; so explicit stages need softer ones.
+void choose_springs(const Json& document, Input& input)
+{
+  const Json& given = document.at("contact");
+  if (std::none_of(input.stages.begin(), input.stages.end(),
+                   [](const Stage& stage) { return stage.stepping.type == StageType::explicit_; }))
+    return;
+  if (!given.contains("normal penalty factor"))
+    input.contact.normal_penalty_factor = explicit_normal_penalty_factor;
+  if (!given.contains("tangential penalty factor"))
+    input.contact.tangential_penalty_factor = 0.5 * explicit_normal_penalty_factor;
+}
+
 /// Needed before the document is checked, as it sets the length of vectors; a wrong value is refused with the rest.
 unsigned int dimension_of(const Json& document)
 {
@@ -145,6 +158,7 @@ Input parse_input(const std::string& text, const std::string& folder, const std:
       if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
         stage.adaptivity.type = AdaptivityType::none;
     }
+  choose_springs(document, input);
   input.effective_json = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return input;
 }

@@ -22,15 +22,11 @@ bool has_plane(const std::array<TrackPlane, 3>& planes)
   return std::any_of(planes.begin(), planes.end(), [](const TrackPlane& plane) { return plane.type.has_value(); });
 }
 
-/// Spacing of the material points after the base cell was rounded down to the smallest size times a power of two.
+/// Of the material points, m.
 double point_spacing(const Input& input)
 {
-  double base = input.material_points.element_size, smallest = base;
-  for (const Stage& stage : input.stages)
-    for (const double size : {stage.adaptivity.element_size, stage.adaptivity.element_size_in_region})
-      if (size > 0.)
-        smallest = std::min(smallest, size);
-  base = smallest * std::exp2(std::floor(std::log2(base / smallest) + 1e-9));
+  const double base =
+      input.dimension == 3 ? make_grid_layout<3>(input).base_size : make_grid_layout<2>(input).base_size;
   return base / input.material_points.points_per_axis;
 }
 
@@ -189,10 +185,12 @@ void check_weight(const Stage& stage, const Input& input, const Place& systems)
     systems.entry(0).key("points").entry(0).key("mass").fail(
         "bodies that may move have no mass at all, and their weight is what forces on them are compared with",
         "give them some, or fix them in every stage");
-  if (any_free && input.gravity == std::array<double, 3>{})
-    systems.entry(0).fail("bodies that may move have no weight, for gravity is zero, and their weight is what forces "
-                          "on them are compared with",
-                          "give \"domain.gravity\" a direction, or fix the bodies in every stage");
+  if (any_free && input.gravity == std::array<double, 3>{} && input.solver.measures_by_weight())
+    systems.entry(0).fail(
+        "bodies that may move have no weight, for gravity is zero, and their weight is what forces "
+        "on them are compared with",
+        "give \"domain.gravity\" a direction, fix the bodies in every stage, or measure convergence by the forces "
+        "(leave \"tolerance\" out)");
 }
 } // namespace
 

@@ -160,6 +160,7 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const doub
 {
   StageSummary& stage = summary.stages.back();
   stage.penetration = std::max(stage.penetration, state.penetration);
+  warn_of_soft_contact(state);
   ProgressLine shown;
   shown.stage = summary.stages.size();
   shown.n_stages = input.stages.size();
@@ -174,6 +175,18 @@ void RunLog::progress(const NewtonReport& newton, const Clock& clock, const doub
   shown.deleted = state.deleted;
   shown.particles = state.particles;
   terminal.progress(shown);
+}
+
+void RunLog::warn_of_soft_contact(const StepSummary& state)
+{
+  constexpr double too_far = 0.5;
+  if (has_warned_of_soft_contact || state.compression <= too_far)
+    return;
+  has_warned_of_soft_contact = true;
+  terminal.warn(
+      fmt::format("step {}: soil has gone {:.2g} of a material point's size into a body, whose springs are too "
+                  "soft for this load, so forces are too small; set a larger \"normal penalty factor\"",
+                  state.step, state.compression));
 }
 
 void RunLog::end_stage(const StepSummary& state, const long long cells, const double mass, const double particle_bytes,

@@ -19,7 +19,7 @@ constexpr unsigned int most_points = 4;
 constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
 constexpr double most_poor = 0.5;
 constexpr int samples = 16; // per axis of the part of a body's box that lies in the soil
-constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 5.; // of contact springs
+constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 2.; // of contact springs
 
 std::string find_sharp_edge(const std::size_t number, const double radius, const double particle)
 {
@@ -154,8 +154,7 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
   else if (std::any_of(input.stages.begin(), input.stages.end(), with_bodies) && !input.systems.empty() &&
            (factor < softest || factor > stiffest))
     warnings.push_back(
-        fmt::format("\"normal penalty factor\" {:.3g} is far from what has been tried, 0.25 to 50: bodies "
-                    "{}",
+        fmt::format("\"normal penalty factor\" {:.3g} is far outside of what has been tried, 0.25 to 50: bodies {}",
                     factor, factor < softest ? "sink into the soil" : "find no balance"));
 }
 

@@ -339,7 +339,11 @@ template <int dim> StepSummary Simulation<dim>::summarise_step() const
   summary.particles = soil.particles().n_global();
   summary.deleted = soil.n_deleted();
   summary.dofs = dofs;
-  summary.penetration = stage->rigid_bodies ? soil.contact().deepest_penetration() : 0.;
+  if (stage->rigid_bodies)
+  {
+    summary.penetration = soil.contact().deepest_penetration();
+    summary.compression = soil.contact().largest_compression();
+  }
   return summary;
 }
 

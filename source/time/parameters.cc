@@ -28,6 +28,9 @@ void check_step(const SteppingParameters& stepping, const Place& place)
              : stepping.type == StageType::dynamic ? "dt"
                                                    : "basis step")
         .fail(fmt::format("the stage has {:.4g} steps", steps), fmt::format("use at most {:.0e} of them", most_steps));
+  if (stepping.type == StageType::explicit_ && stepping.dt > 0. && step_length(stepping) / stepping.dt > most_steps)
+    place.key("dt").fail(fmt::format("a basis step has {:.4g} time steps", step_length(stepping) / stepping.dt),
+                         fmt::format("use at most {:.0e} of them, or \"auto\"", most_steps));
   if (stepping.type != StageType::static_ && stepping.dt > stepping.final_time * (1. + 1e-12))
     place.key("dt").fail("the time step " + shown(stepping.dt) + " s is longer than the stage",
                          "keep \"dt\" at or below \"final time\", " + shown(stepping.final_time) + " s");
@@ -99,10 +102,11 @@ Section<SteppingParameters> stepping_section()
           "swing from step to step, and with less than gamma / 2 they grow")
       .only_for("type", {"dynamic"});
   section
-      .required("gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
-                "Newmark's gamma; values above 0.5 damp, values below would add energy, as does 0.5 itself where "
-                "bodies touch "
-                "the soil: contacts that open and close feed the highest frequencies until the soil flies apart")
+      .required(
+          "gamma", &P::gamma, number("-", Bounds().at_least(0.5)),
+          "Newmark's gamma; values above 0.5 damp, values below would add energy. Where bodies hit the soil or "
+          "roll on it, contacts that open and close add energy with 0.5, until the soil flies apart, and with 0.6 "
+          "in long steps: a disc that hits a bed with 52 J had up to 126 J; 0.75 and above have added none")
       .only_for("type", {"dynamic"});
   section
       .optional("mass", &P::lumped_mass, choice<bool>({{"consistent", false}, {"lumped", true}}),

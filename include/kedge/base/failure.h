@@ -22,7 +22,7 @@ enum ExitCode
   solver_failure = 3,
   file_failure = 4,
   interrupted = 130, ///< by SIGINT, with the shell's code for it
-  told_to_end = 143  ///< by SIGTERM or SIGUSR1; the shell's code for SIGTERM
+  told_to_end = 143  ///< by another signal; the shell's code for SIGTERM
 };
 
 /// An error as it can be sent to other ranks.

@@ -141,6 +141,8 @@ public:
   long long n_active() const;
   /// Deepest penetration of the last evaluation, m, over all ranks.
   double deepest_penetration() const;
+  /// How far its spring is pressed in, in sizes of its particle; of those that are not bonded. Collective.
+  double largest_compression() const;
   /// Force on the soil (N), position (m) and surface of every pair of this rank that pressed or was bonded in the last
   /// evaluation.
   struct Touch

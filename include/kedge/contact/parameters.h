@@ -11,6 +11,9 @@ enum class ContactMethod
   augmented_lagrangian
 };
 
+/// Of runs with explicit stages that do not say otherwise; the tangential one is half of it.
+constexpr double explicit_normal_penalty_factor = 0.25;
+
 struct ContactParameters
 {
   InterfaceParameters interface; ///< of surfaces that do not say otherwise

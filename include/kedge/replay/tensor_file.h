@@ -94,7 +94,7 @@ private:
   void begin_numbers();
   void close();
 
-  std::string path;
+  std::string path, draft;
   std::ofstream file;
   nlohmann::json header;
   std::size_t length = 0; ///< of all arrays so far
@@ -140,7 +140,7 @@ private:
   std::size_t bytes_of(const char* name, const char* type, std::size_t row) const;
   void read(const char* name, void* data);
 
-  std::string path;
+  std::string path, draft;
   std::ifstream file;
   nlohmann::json header;
   std::size_t begin = 0; ///< of the arrays in the file

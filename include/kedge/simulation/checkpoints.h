@@ -1,6 +1,7 @@
 // When a run writes its restart files, and what tells it to end.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <kedge/output/parameters.h>
 #include <kedge/output/restart_files.h>
@@ -11,9 +12,10 @@ namespace kedge
 /// The folder of the restart files of a run whose output lands below `output_directory`.
 std::string restart_folder(const OutputParameters& parameters, const std::string& output_directory);
 
-/// Counts steps or wall time since the last restart file. Listens for SIGTERM, SIGINT (Ctrl-C) and SIGUSR1, which end a
-/// run after its step; the second SIGTERM or SIGINT ends it at once. mpirun hands SIGUSR1 on to its ranks; after
-/// SIGTERM and SIGINT it kills them a second later, unless told to wait (scripts/mpirun does).
+/// Counts steps or wall time since the last restart file. Listens for SIGTERM, SIGINT (Ctrl-C), SIGUSR1 and SIGHUP,
+/// which end a run after its step; of SIGTERM and SIGINT, of either, the second one ends it at once. mpirun hands
+/// SIGUSR1 on to its ranks; after SIGTERM and SIGINT it kills them a second later, unless told to wait (scripts/mpirun
+/// does).
 class CheckpointSchedule
 {
 public:
@@ -42,6 +44,7 @@ private:
   double every_seconds = 0.;               ///< 0: not by time
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   int ended_by = 0; ///< a signal
+  std::array<void (*)(int), 4> handlers_before{};
 };
 
 /// "SIGTERM" and so on, of those that end a run.

@@ -20,6 +20,7 @@ struct StepSummary
   long long particles = 0, deleted = 0; ///< now; since the run began
   long long dofs = 0;                   ///< of the step just solved
   double penetration = 0.;              ///< deepest, m
+  double compression = 0.;              ///< of the contact springs, the largest, in sizes of material points
 };
 
 /// "1.20e-01 3.40e-05", the residuals of a step.
@@ -67,6 +68,7 @@ public:
 private:
   std::string path() const;
   /// Counts the mass of points that are gone; a warning with advice at the first time.
+  void warn_of_soft_contact(const StepSummary& state);
   void tell_gone(const std::string& sentence, const std::string& advice, double mass, bool& has_warned);
   void take_times();
   void take_stock(const std::string& status);
@@ -84,6 +86,6 @@ private:
   long long deleted_before = 0; ///< in earlier stages
   LostParticles told_lost;
   bool has_warned_of_removed = false, has_warned_of_lost = false, has_warned_of_cut_domains = false,
-       has_warned_of_no_soil = false;
+       has_warned_of_no_soil = false, has_warned_of_soft_contact = false;
 };
 } // namespace kedge

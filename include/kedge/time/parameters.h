@@ -28,9 +28,9 @@ struct SteppingParameters
   StageType type = StageType::static_;
   unsigned int load_steps = 1;                       ///< static
   GravityLoad load = GravityLoad::full;              ///< static
-  double dt = 0.;                                    ///< dynamic: s; 0 in explicit stages: "auto"
+  double dt = 0.;                                    ///< dynamic and explicit: s; 0 in explicit stages: "auto"
   double basis_step = 0.;                            ///< explicit: s; 0: a hundredth of the stage
-  double final_time = 0.;                            ///< dynamic: s
+  double final_time = 0.;                            ///< dynamic and explicit: s
   double beta = 0.25, gamma = 0.5;                   ///< Newmark
   bool lumped_mass = false;                          ///< dynamic
   double cfl = 0.8, damping = 0., mass_scaling = 1.; ///< explicit

@@ -366,6 +366,7 @@ TEST(Outline, BadOutlinesAreRefused)
 {
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}}, "outline"), InputError);
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}, {1., 0.}, {1., 1.}}, "outline"), InputError);
+  EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}, {1., 1e-12}, {1., 1.}}, "outline"), InputError);
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 1.}, {1., 0.}, {0., 1.}}, "outline"), InputError);
   EXPECT_THROW(extrude_outline({{0., 0.}, {1., 0.}, {2., 0.}}, "outline"), InputError);
   // a corner on another side, a corner on another corner, a side that folds back
