@@ -339,11 +339,9 @@ template <int dim> StepSummary Simulation<dim>::summarise_step() const
   summary.particles = soil.particles().n_global();
   summary.deleted = soil.n_deleted();
   summary.dofs = dofs;
-  if (stage->rigid_bodies)
-  {
-    summary.penetration = soil.contact().deepest_penetration();
-    summary.compression = soil.contact().largest_compression();
-  }
+  const bool touches = stage->rigid_bodies;
+  summary.penetration = touches ? soil.contact().deepest_penetration() : 0.;
+  summary.compression = touches ? soil.contact().largest_compression() : 0.;
   return summary;
 }
 
