@@ -33,10 +33,10 @@ constexpr double on_surface = 0.05;
 /// Pairs respond from this distance on, in sizes of the particle, so that they have a slip before they touch.
 constexpr double wakes_before = 0.1;
 
-/// What counts as round-off in a gap, of the corner's coordinates and the particle's size. Corners found inside a body
-/// for the first time start where their springs have no force: without this the number of ranks would choose which of
-/// them press in the first tangent, and with it Newton's path.
-constexpr double round_off = 1e-13;
+/// What counts as round-off in a gap, in sizes of the particle. Corners found inside a body for the first time start
+/// where their springs have no force: without this the number of ranks would choose which of them press in the first
+/// tangent, and with it Newton's path.
+constexpr double round_off = 1e-9;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -219,7 +219,7 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   ContactGeometry at;
   at.distance = closest.gap;
   at.gap = closest.gap - pair.reference_gap;
-  if (std::fabs(at.gap) < round_off * (pair.position.norm() + pair.size))
+  if (std::fabs(at.gap) < round_off * pair.size)
     at.gap = 0.;
   at.normal = now.direction_to_world(closest.normal);
   at.normal_subspace = now.rotation * normal_subspace(closest) * now.rotation.transpose();
