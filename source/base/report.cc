@@ -35,7 +35,7 @@ bool is_on_terminal()
 
 std::string format_progress(const ProgressLine& shown)
 {
-  const double fraction = shown.end > 0. ? std::min(1., shown.time / shown.end) : 1.;
+  const double fraction = shown.fraction();
   const int filled = static_cast<int>(fraction * bar_width);
   std::string bar;
   for (int i = 0; i < bar_width; ++i)
@@ -75,7 +75,7 @@ void Report::progress(const ProgressLine& shown)
   const Clock::time_point now = Clock::now();
   const auto seconds_since = [now](const Clock::time_point& then)
   { return std::chrono::duration<double>(now - then).count(); };
-  const double fraction = shown.end > 0. ? std::min(1., shown.time / shown.end) : 1.;
+  const double fraction = shown.fraction();
   const bool is_first = shown.stage != last_stage; // step of the stage, or after a restart
   if (is_first)
   {

@@ -59,6 +59,7 @@ std::string describe(const TriangleMesh& mesh, const Target& target)
                       lower[1], upper[1], lower[2], upper[2]);
   const double sharpest = Surface(mesh).sharpest_edge_radius();
   text += std::isinf(sharpest) ? "  edges     none\n"
+          : sharpest == 0.     ? "  edges     sharp\n"
                                : fmt::format("  edges     rounded with {:.3g} m or more\n", sharpest);
   text += fmt::format("  volume    {:.6g} m3\n  area      {:.6g} m2\n", properties.volume, properties.area);
   text += fmt::format("  centroid  ({:.6g}, {:.6g}, {:.6g}) m\n", c[0], c[1], c[2]);

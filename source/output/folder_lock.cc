@@ -1,8 +1,8 @@
 #include <cerrno>
 #include <fcntl.h>
-#include <filesystem>
 #include <kedge/base/exceptions.h>
 #include <kedge/output/folder_lock.h>
+#include <kedge/output/text_file.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -10,10 +10,7 @@ namespace kedge
 {
 void FolderLock::hold(const std::string& folder)
 {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw FileError(folder, "cannot be created: " + error.message());
+  create_folder(folder);
   descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw FileError(folder,

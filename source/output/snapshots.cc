@@ -6,20 +6,13 @@
 #include <kedge/base/failure.h>
 #include <kedge/output/earlier_files.h>
 #include <kedge/output/snapshots.h>
+#include <kedge/output/text_file.h>
 
 namespace kedge
 {
 namespace
 {
 constexpr int ranks_per_file = 16; // fewer files than ranks, and no file that a rank has no room for
-
-void create_folder(const std::string& folder)
-{
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw FileError(folder, "cannot be created: " + error.message());
-}
 
 std::string file_name(const std::string& series, unsigned int step, const std::string& ending)
 {

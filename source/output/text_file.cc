@@ -43,6 +43,14 @@ std::FILE* open_to_write(const std::string& path, const char* const mode, const 
 }
 } // namespace
 
+void create_folder(const std::string& folder)
+{
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw FileError(folder, "cannot be created: " + error.message());
+}
+
 void write_text_file(const std::string& path, const std::string& text)
 {
   if (const int problem = write_to(open_to_write(path, "wb", path), text))

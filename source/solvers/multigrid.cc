@@ -188,6 +188,10 @@ Teuchos::RCP<Multigrid> Multigrid::build(const Teuchos::RCP<TpetraMatrix>& matri
     auto made = std::make_unique<Implementation>(matrix, *near_null_space, block_size, strong);
     return Teuchos::rcp(new Multigrid(std::move(made)));
   }
+  catch (const std::bad_alloc&) // which no other preconditioner mends
+  {
+    throw;
+  }
   catch (const std::exception& error) // MueLu throws if it finds no levels
   {
     trouble = error.what();
@@ -207,6 +211,10 @@ bool Multigrid::renew()
       forget_products(*at.coarse_levels->GetHierarchy());
     MueLu::ReuseTpetraPreconditioner<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(at.coarsening.matrix(),
                                                                                       *at.coarse_levels);
+  }
+  catch (const std::bad_alloc&)
+  {
+    throw;
   }
   catch (const std::exception&)
   {

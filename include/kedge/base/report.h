@@ -1,6 +1,7 @@
 // Text for the terminal: lines, warnings and the progress of a run; wall time per phase; memory.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <kedge/base/fault.h>
 #include <map>
@@ -20,6 +21,9 @@ struct ProgressLine
   unsigned int iterations = 0; ///< Newton iterations; in an explicit stage, time steps
   unsigned int krylov_iterations = 0, cuts = 0;
   long long deleted = 0, particles = 0;
+
+  /// Of the stage, from 0 to 1.
+  double fraction() const { return end > 0. ? std::min(1., time / end) : 1.; }
 };
 
 /// Writes to the terminal from one rank. A terminal redraws the progress line in place; a log file gets a line for the

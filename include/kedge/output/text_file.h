@@ -22,6 +22,9 @@ void replace_text_file(const std::string& path, const std::string& text);
 /// Returns false and does nothing where `text` is longer than the file or there is none. Throws FileError.
 bool write_in_place(const std::string& path, std::string text);
 
+/// With those above it, where it is not there yet. Throws FileError.
+void create_folder(const std::string& folder);
+
 /// The second name, and how it becomes the name of the file. Throws FileError.
 std::string draft_of(const std::string& path);
 void give_name(const std::string& path);

@@ -27,10 +27,5 @@ struct Newmark
   {
     return dt * ((1. - gamma) * start_acceleration + gamma * end_acceleration);
   }
-  /// Displacement for which the acceleration does not change, m.
-  template <typename T> KEDGE_FUNCTION T free_flight(const T& velocity, const T& acceleration) const
-  {
-    return dt * velocity + 0.5 * dt * dt * acceleration;
-  }
 };
 } // namespace kedge
