@@ -20,7 +20,7 @@ constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
 constexpr double most_poor = 0.5;
 constexpr int samples = 16; // per axis of the part of a body's box that lies in the soil
 constexpr double softest = 0.05, stiffest = 200., stiff_if_explicit = 2.; // of contact springs
-constexpr double quiet_gamma = 0.75; // see "gamma" in time/parameters.cc
+constexpr double quiet_gamma = 0.75;                                      // see "gamma" in time/parameters.cc
 
 std::string find_sharp_edge(const std::size_t number, const double radius, const double particle)
 {
@@ -147,9 +147,10 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     if (const SteppingParameters& s = input.stages[i].stepping;
         s.type == StageType::dynamic && input.stages[i].rigid_bodies && !input.systems.empty() && s.gamma < quiet_gamma)
-      warnings.push_back(fmt::format("stage {}: with \"gamma\" {:g} contacts that open and close may add energy; 1, with "
-                                     "\"beta\" 0.5625, does not",
-                                     i + 1, s.gamma));
+      warnings.push_back(
+          fmt::format("stage {}: with \"gamma\" {:g} contacts that open and close may add energy; 1, with "
+                      "\"beta\" 0.5625, does not",
+                      i + 1, s.gamma));
   const double factor = input.contact.normal_penalty_factor;
   const auto with_bodies = [](const Stage& stage) { return stage.rigid_bodies; };
   const auto is_explicit = [&](const Stage& stage)

@@ -19,6 +19,9 @@ constexpr double most_cells_per_step = 0.75;
 /// does not decide how fast they fade where it is short.
 constexpr double noise_taken = 1e-3, most_noise_taken = 0.1;
 
+/// A node this much slower than what its force adds to its velocity in a time step counts as at rest.
+constexpr double at_rest = 1e-3;
+
 /// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
 /// point enters a cell. Boxes need none, there values and gradients fade away together.
 double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; }
@@ -78,14 +81,15 @@ template <int dim> void find_means(const NodalVector& nodal, const View<double*>
 }
 
 /// Lets forces act on velocities for a time. Local damping opposes every velocity by a share of the force on it
-/// (Cundall 1987).
+/// (Cundall 1987), less where the velocity is next to nothing: round-off must not choose its side.
 void kick_nodes(const NodalVector& velocity, const NodalVector& force, const NodalVector& inertia, const double time,
                 const double damping)
 {
   Kokkos::parallel_for(
       "kick", Policy(0, force.extent(0)), KOKKOS_LAMBDA(const std::size_t i) {
-        const double opposed = velocity(i) == 0. ? 0. : std::copysign(damping * std::fabs(force(i)), velocity(i));
-        velocity(i) += time / inertia(i) * (force(i) - opposed);
+        const double change = time / inertia(i) * force(i), speed = std::fabs(velocity(i));
+        const double direction = speed > 0. ? velocity(i) / std::fmax(speed, at_rest * std::fabs(change)) : 0.;
+        velocity(i) += change - damping * std::fabs(change) * direction;
       });
 }
 } // namespace

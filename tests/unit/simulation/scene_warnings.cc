@@ -120,7 +120,7 @@ TEST(Warnings, ChoicesThatExperimentsHaveShownToBePoor)
   expect_warning(warnings("column.json", {points + "1"}), "take 2");
   expect_warning(warnings("column.json", {points + "5"}), "finer cells");
   expect_warning(warnings("column.json", {"solver.poor factor=0.9"}), "take 0.25");
-  expect_warning(warnings("sphere.json", {"analysis.0.beta=0.3", "analysis.0.gamma=0.7"}), "here 0.36, is stable");
+  expect_warning(warnings("sphere.json", {"analysis.0.beta=0.3", "analysis.0.gamma=0.8"}), "here 0.4225, is stable");
   expect_warning(warnings("sphere.json", {"analysis.0.gamma=0.6"}), "may add energy");
   expect_warning(warnings("strip-footing.json", {"contact.normal penalty factor=0.01"}), "sink into the soil");
   expect_warning(warnings("plate-anchor-explicit.json", {"contact.normal penalty factor=10"}), "explicit stages");
