@@ -112,12 +112,13 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   app.name("kedge");
   app.require_subcommand(0, 1); // CLI11 names a word that is none only where it does not miss one
   app.set_version_flag("--version", kedge::describe_versions());
-  app.footer("Under MPI: mpirun -n 2 kedge run FILE.json\n"
-             "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
-             "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 results could not be written "
-             "or a restart file not be read,\n"
-             "            1 too little memory or a mistake in the program,\n"
-             "            143 ended by SIGTERM or SIGUSR1, 130 by SIGINT (Ctrl-C), after a restart file was written");
+  app.footer(
+      "Under MPI: mpirun -n 2 kedge run FILE.json\n"
+      "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
+      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 results could not be written "
+      "or a restart file not be read,\n"
+      "            1 too little memory or a mistake in the program,\n"
+      "            143 ended by SIGTERM, SIGUSR1 or SIGHUP, 130 by SIGINT (Ctrl-C), after a restart file was written");
 
   Arguments arguments;
   CLI::App& run_command = *app.add_subcommand("run", "Run an input file");
@@ -179,7 +180,8 @@ void end_at_once(int) { std::_Exit(kedge::told_to_end); }
 
 int main(int argc, char** argv)
 {
-  std::signal(SIGUSR1, end_at_once);
+  if (std::signal(SIGUSR1, end_at_once) == SIG_IGN)
+    std::signal(SIGUSR1, SIG_IGN);
   kedge::Environment environment(argc, argv);
   return kedge::exit_code_of("kedge", [&] { return run_program(environment, argc, argv); });
 }

@@ -9,7 +9,7 @@ from matplotlib.collections import LineCollection, PolyCollection, TriMesh  # no
 from matplotlib.tri import Triangulation  # noqa: E402
 from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
 
-from . import PlotError
+from . import PlotError  # noqa: E402
 from .filling import triangles_between  # noqa: E402
 from .section import Backdrop  # noqa: E402
 from .smoothing import edge_places, edge_values, rectangle_corners  # noqa: E402
@@ -62,7 +62,8 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
     unit, factor = unit_of(field)
     if np.isnan(section.values).all():
         raise PlotError(f"no material point in the section has a value of \"{field}\"")
-    blocks = blocks or np.isnan(section.values).any()  # no colours run smoothly where some have none
+    # no colours run smoothly where some have none
+    blocks = blocks or np.isnan(np.concatenate([section.values, section.backdrop.values])).any()
     left, right, bottom, top = window or _extent(section)
     with plt.rc_context(_STYLE):
         width = 6.3

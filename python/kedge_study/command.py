@@ -35,7 +35,7 @@ def parser():
     options.add_argument("--parts", nargs="+", metavar="PART", help="only these parts (default: all)")
     options.add_argument("--jobs", type=_count, default=os.cpu_count(), metavar="N",
                          help="cores to use (default: all, %(default)s)")
-    options.add_argument("--budget", type=_time, metavar="TIME",
+    options.add_argument("--budget", type=_time, default=float("inf"), metavar="TIME",
                          help="wall time for the runs, such as \"30 min\": dearer runs are left out (default: none)")
     options.add_argument("--program", type=pathlib.Path, default=default_program(),
                          help="kedge to run (default: %(default)s)")
@@ -58,7 +58,10 @@ def _count(text):
 
 def _time(text):
     try:
-        return seconds(text)
+        time = seconds(text)
+        if not time > 0.:
+            raise ValueError
+        return time
     except (KeyError, ValueError) as error:
         raise argparse.ArgumentTypeError(f"{text}: write a number and s, min or h, such as \"30 min\"") from error
 
@@ -123,7 +126,7 @@ def _run(study, cases, work, options):
         print(f"{study.name}: all {len(cases)} runs are there")
         return True
     execute.estimate(study, jobs, options.jobs)
-    fit, left = execute.affordable(jobs, options.budget or float("inf"), options.jobs)
+    fit, left = execute.affordable(jobs, options.budget, options.jobs)
     for job, reason in left:
         print(f"left out: {job.case.name}: {reason}")
     total = sum(job.seconds for job in fit)

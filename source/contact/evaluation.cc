@@ -162,7 +162,7 @@ template <int dim> double Contact<dim>::deepest_penetration() const
 
 template <int dim> double Contact<dim>::largest_compression() const
 {
-  return max_over_ranks(largest_excess(arrays_of_last_evaluation()), communicator);
+  return max_over_ranks(kedge::largest_compression(arrays_of_last_evaluation()), communicator);
 }
 
 template class Contact<2>;

@@ -47,6 +47,15 @@ struct Depth
 {
   KEDGE_FUNCTION double operator()(const ContactPair& pair) const { return pair.reference_gap - pair.gap; }
 };
+
+/// In sizes of the particle.
+struct Compression
+{
+  KEDGE_FUNCTION double operator()(const ContactPair& pair) const
+  {
+    return pair.committed.bonded ? 0. : (pair.reference_gap - pair.gap) / pair.size;
+  }
+};
 } // namespace
 
 void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
@@ -100,6 +109,11 @@ void follow_path(const ContactArrays& contact, const std::size_t n_pairs)
 }
 
 double largest_excess(const ContactArrays& contact) { return largest_of_acting("excess", contact, Excess()); }
+
+double largest_compression(const ContactArrays& contact)
+{
+  return largest_of_acting("compression", contact, Compression());
+}
 
 double deepest_penetration(const ContactArrays& contact) { return largest_of_acting("depth", contact, Depth()); }
 

@@ -30,7 +30,9 @@ void TensorWriter::begin_numbers()
   const std::uint64_t size = text.size();
   std::error_code unknown;
   const bool is_device = std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
-  draft = path + (is_device ? "" : ".new"); // what stands in the place of a device is none
+  if (!is_device) // nor is the place of what a link names
+    path = std::filesystem::weakly_canonical(path, unknown).string();
+  draft = path + (is_device ? "" : ".new");
   file.open(draft, std::ios::binary);
   file.write(reinterpret_cast<const char*>(&size), sizeof(size));
   file.write(text.data(), static_cast<std::streamsize>(size));

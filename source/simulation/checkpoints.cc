@@ -12,7 +12,20 @@ namespace
 {
 volatile std::sig_atomic_t told = 0; // the signal; a handler can reach nothing else
 volatile std::sig_atomic_t speaks = 0;
-constexpr int all_signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGHUP};
+/// The handlers before the run's own, by signal: none where it was ignored, as nohup and background jobs ask.
+struct Listening
+{
+  int signal;
+  volatile std::sig_atomic_t listens;
+  void (*before)(int);
+};
+Listening all_signals[] = {{SIGTERM, 0, SIG_DFL}, {SIGINT, 0, SIG_DFL}, {SIGUSR1, 0, SIG_DFL}, {SIGHUP, 0, SIG_DFL}};
+
+bool is_ignored(const int signal)
+{
+  struct sigaction now;
+  return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
 
 void note(const int signal)
 {
@@ -25,8 +38,9 @@ void note(const int signal)
   if (told == 0)
     told = signal;
   if (signal == SIGTERM || signal == SIGINT)
-    for (const int deadly : {SIGTERM, SIGINT})
-      std::signal(deadly, SIG_DFL);
+    for (const Listening& other : all_signals)
+      if (other.listens != 0 && (other.signal == SIGTERM || other.signal == SIGINT))
+        std::signal(other.signal, SIG_DFL);
 }
 } // namespace
 
@@ -45,12 +59,12 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
 {
   told = 0;
   speaks = rank_of(MPI_COMM_WORLD) == 0;
-  for (std::size_t i = 0; i < handlers_before.size(); ++i)
-  {
-    handlers_before[i] = std::signal(all_signals[i], note);
-    if (handlers_before[i] == SIG_IGN) // as nohup and shells' background jobs ask
-      std::signal(all_signals[i], SIG_IGN);
-  }
+  for (Listening& one : all_signals)
+    if (!is_ignored(one.signal))
+    {
+      one.listens = 1;
+      one.before = std::signal(one.signal, note);
+    }
   if (parameters.checkpoint_every.empty())
     return;
   std::istringstream text(parameters.checkpoint_every);
@@ -65,8 +79,12 @@ CheckpointSchedule::CheckpointSchedule(const OutputParameters& parameters, const
 
 CheckpointSchedule::~CheckpointSchedule()
 {
-  for (std::size_t i = 0; i < handlers_before.size(); ++i)
-    std::signal(all_signals[i], handlers_before[i]);
+  for (Listening& one : all_signals)
+    if (one.listens != 0)
+    {
+      one.listens = 0;
+      std::signal(one.signal, one.before);
+    }
 }
 
 void CheckpointSchedule::make_folder() const

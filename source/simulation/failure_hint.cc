@@ -68,8 +68,10 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
   const std::string& failure = newton.failure;
   if (stage.stepping.type == StageType::explicit_)
     return stage.stepping.dt > 0. ? "A shorter \"dt\", or \"auto\", or a shorter \"basis step\" may help."
-                                  : "A shorter \"basis step\", a smaller \"cfl\" or softer contact springs (\"normal "
-                                    "penalty factor\" 0.25) may help.";
+           : input.contact.normal_penalty_factor > explicit_normal_penalty_factor
+               ? "A shorter \"basis step\", a smaller \"cfl\" or softer contact springs (\"normal penalty factor\" "
+                 "0.25) may help."
+               : "A shorter \"basis step\" or a smaller \"cfl\" may help.";
   if (contains(failure, "penetrate"))
     return "Stiffer springs (\"normal penalty factor\"), a larger \"penetration tolerance\", or \"method\": "
            "\"penalty\" may help.";

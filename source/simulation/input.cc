@@ -116,17 +116,19 @@ Section<Input> input_section()
   return section;
 }
 
-/// Stiff springs set small time steps, and noise of the points in them speed; so explicit stages need softer ones.
-void choose_springs(const Json& document, Input& input)
+/// What the input leaves open. In explicit stages stiff springs make time steps short, and make speed of the noise of
+/// the points. What is not what the manual calls the default goes into the document, for those who compare inputs.
+void choose_springs(Json& document, Input& input)
 {
-  const Json& given = document.at("contact");
-  if (std::none_of(input.stages.begin(), input.stages.end(),
-                   [](const Stage& stage) { return stage.stepping.type == StageType::explicit_; }))
-    return;
-  if (!given.contains("normal penalty factor"))
-    input.contact.normal_penalty_factor = explicit_normal_penalty_factor;
-  if (!given.contains("tangential penalty factor"))
-    input.contact.tangential_penalty_factor = 0.5 * explicit_normal_penalty_factor;
+  Json& given = document.at("contact");
+  const bool touches_in_explicit_stage =
+      std::any_of(input.stages.begin(), input.stages.end(),
+                  [](const Stage& stage) { return stage.rigid_bodies && stage.stepping.type == StageType::explicit_; });
+  const std::string normal = "normal penalty factor", tangential = "tangential penalty factor";
+  if (!given.contains(normal) && touches_in_explicit_stage)
+    given[normal] = input.contact.normal_penalty_factor = explicit_normal_penalty_factor;
+  if (!given.contains(tangential) && given.contains(normal))
+    given[tangential] = input.contact.tangential_penalty_factor = 0.5 * input.contact.normal_penalty_factor;
 }
 
 /// Needed before the document is checked, as it sets the length of vectors; a wrong value is refused with the rest.

@@ -8,8 +8,9 @@ template <int dim> GridLayout<dim> make_grid_layout(const Input& input)
 {
   std::vector<double> sizes;
   for (const Stage& stage : input.stages)
-    for (const double size : finer_sizes(stage.adaptivity))
-      sizes.push_back(size);
+    if (stage.rigid_bodies) // nothing is refined around frozen ones
+      for (const double size : finer_sizes(stage.adaptivity))
+        sizes.push_back(size);
   const MaterialPointParameters& soil = input.material_points;
   std::array<double, dim - 1> footprint;
   std::copy_n(soil.plan_extent.begin(), dim - 1, footprint.begin());

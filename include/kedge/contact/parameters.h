@@ -11,7 +11,7 @@ enum class ContactMethod
   augmented_lagrangian
 };
 
-/// Of runs with explicit stages that do not say otherwise; the tangential one is half of it.
+/// Of runs whose bodies touch soil in an explicit stage and that do not say otherwise.
 constexpr double explicit_normal_penalty_factor = 0.25;
 
 struct ContactParameters

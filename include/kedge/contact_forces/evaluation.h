@@ -76,8 +76,9 @@ void augment(const ContactArrays& contact, std::size_t n_pairs, double factor);
 void follow_path(const ContactArrays& contact, std::size_t n_pairs);
 
 /// Of the pairs that act on this rank: the largest distance of one that is not bonded from touching, in sizes of its
-/// particle; the deepest penetration, m; how many there are.
+/// particle; how far its spring is pressed in, likewise; the deepest penetration, m; how many there are.
 double largest_excess(const ContactArrays& contact);
+double largest_compression(const ContactArrays& contact);
 double deepest_penetration(const ContactArrays& contact);
 long long count_active(const ContactArrays& contact);
 

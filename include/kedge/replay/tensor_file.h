@@ -140,7 +140,7 @@ private:
   std::size_t bytes_of(const char* name, const char* type, std::size_t row) const;
   void read(const char* name, void* data);
 
-  std::string path, draft;
+  std::string path;
   std::ifstream file;
   nlohmann::json header;
   std::size_t begin = 0; ///< of the arrays in the file

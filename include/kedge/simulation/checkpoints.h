@@ -1,7 +1,6 @@
 // When a run writes its restart files, and what tells it to end.
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <kedge/output/parameters.h>
 #include <kedge/output/restart_files.h>
@@ -44,7 +43,6 @@ private:
   double every_seconds = 0.;               ///< 0: not by time
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
   int ended_by = 0; ///< a signal
-  std::array<void (*)(int), 4> handlers_before{};
 };
 
 /// "SIGTERM" and so on, of those that end a run.

@@ -67,8 +67,9 @@ public:
 
 private:
   std::string path() const;
-  /// Counts the mass of points that are gone; a warning with advice at the first time.
+  /// Once.
   void warn_of_soft_contact(const StepSummary& state);
+  /// Counts the mass of points that are gone; a warning with advice at the first time.
   void tell_gone(const std::string& sentence, const std::string& advice, double mass, bool& has_warned);
   void take_times();
   void take_stock(const std::string& status);

@@ -61,7 +61,8 @@ public:
   void place_window(const RigidSystems& bodies, const BoundaryTrack& track);
   void move_window(const RigidSystems& bodies, const BoundaryTrack& track);
 
-  /// Removes the material points with which no step can be solved, one with inertia (dynamic) or without (static).
+  /// Removes the material points with which no step can be solved, one with inertia (dynamic, explicit) or without
+  /// (static).
   HopelessParticles clean(bool has_inertia);
 
   /// Refines, coarsens, splits and merges until cells and material points have the sizes that the stage asks for at the
