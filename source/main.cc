@@ -115,8 +115,8 @@ int run_program(kedge::Environment& environment, int argc, char** argv)
   app.footer(
       "Under MPI: mpirun -n 2 kedge run FILE.json\n"
       "Options that begin with --kokkos- go to Kokkos: --kokkos-print-configuration\n"
-      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved, 4 results could not be written "
-      "or a restart file not be read,\n"
+      "Exit codes: 0 done, 2 wrong input, 3 the equations could not be solved,\n"
+      "            4 results could not be written or a restart file not be read,\n"
       "            1 too little memory or a mistake in the program,\n"
       "            143 ended by SIGTERM, SIGUSR1 or SIGHUP, 130 by SIGINT (Ctrl-C), after a restart file was written");
 

@@ -82,7 +82,8 @@ def main(arguments=None):
 
 
 def _attempt(plot, may_fail, run, target, options, caption):
-    """Draws one figure. If it may fail, only prints why; False where that is no matter of files that are not there."""
+    """Draws one figure and returns True. If it may fail, prints why and returns None where the run has not written what
+    it needs, else False."""
     try:
         print(plot(run, target, options, caption))
         return True

@@ -30,9 +30,10 @@ void TensorWriter::begin_numbers()
   const std::uint64_t size = text.size();
   std::error_code unknown;
   const bool is_device = std::filesystem::exists(path, unknown) && !std::filesystem::is_regular_file(path, unknown);
-  if (!is_device) // nor is the place of what a link names
-    path = std::filesystem::weakly_canonical(path, unknown).string();
-  draft = path + (is_device ? "" : ".new");
+  if (!is_device)
+    path =
+        std::filesystem::weakly_canonical(path, unknown).string(); // a draft replaces what a link names, not the link
+  draft = path + (is_device ? "" : ".new");                        // and no device
   file.open(draft, std::ios::binary);
   file.write(reinterpret_cast<const char*>(&size), sizeof(size));
   file.write(text.data(), static_cast<std::streamsize>(size));

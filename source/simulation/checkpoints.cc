@@ -12,12 +12,13 @@ namespace
 {
 volatile std::sig_atomic_t told = 0; // the signal; a handler can reach nothing else
 volatile std::sig_atomic_t speaks = 0;
-/// The handlers before the run's own, by signal: none where it was ignored, as nohup and background jobs ask.
+
+/// A run does not listen to a signal that it was started to ignore, as nohup and background jobs ask.
 struct Listening
 {
   int signal;
   volatile std::sig_atomic_t listens;
-  void (*before)(int);
+  void (*before)(int); ///< the handler to give back
 };
 Listening all_signals[] = {{SIGTERM, 0, SIG_DFL}, {SIGINT, 0, SIG_DFL}, {SIGUSR1, 0, SIG_DFL}, {SIGHUP, 0, SIG_DFL}};
 

@@ -116,8 +116,8 @@ Section<Input> input_section()
   return section;
 }
 
-/// What the input leaves open. In explicit stages stiff springs make time steps short, and make speed of the noise of
-/// the points. What is not what the manual calls the default goes into the document, for those who compare inputs.
+/// Contact springs that the input leaves open: softer ones in explicit stages, where stiff ones make time steps short
+/// and speed of the points' noise. The document gets what is chosen, so that copies and restart files hold it.
 void choose_springs(Json& document, Input& input)
 {
   Json& given = document.at("contact");

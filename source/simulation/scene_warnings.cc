@@ -139,18 +139,22 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
                     "the ghost stabilisation stiffens; take 0.25",
                     input.solver.poor_factor));
   for (std::size_t i = 0; i < input.stages.size(); ++i)
-    if (const SteppingParameters& s = input.stages[i].stepping; s.type == StageType::dynamic && 2. * s.beta < s.gamma)
+  {
+    const SteppingParameters& newmark = input.stages[i].stepping;
+    if (newmark.type != StageType::dynamic)
+      continue;
+    const double beta = newmark.beta, gamma = newmark.gamma;
+    if (2. * beta < gamma)
       warnings.push_back(fmt::format("stage {}: \"beta\", {:g}, is less than half of \"gamma\", {:g}: Newmark's method "
                                      "lets the fastest waves of the mesh grow unless steps are as short as explicit "
                                      "ones; (gamma + 1/2)^2 / 4, here {:g}, is stable",
-                                     i + 1, s.beta, s.gamma, 0.25 * (s.gamma + 0.5) * (s.gamma + 0.5)));
-  for (std::size_t i = 0; i < input.stages.size(); ++i)
-    if (const SteppingParameters& s = input.stages[i].stepping;
-        s.type == StageType::dynamic && input.stages[i].rigid_bodies && !input.systems.empty() && s.gamma < quiet_gamma)
+                                     i + 1, beta, gamma, 0.25 * (gamma + 0.5) * (gamma + 0.5)));
+    if (gamma < quiet_gamma && input.stages[i].rigid_bodies && !input.systems.empty())
       warnings.push_back(
           fmt::format("stage {}: with \"gamma\" {:g} contacts that open and close may add energy; 1, with "
                       "\"beta\" 0.5625, does not",
-                      i + 1, s.gamma));
+                      i + 1, gamma));
+  }
   const double factor = input.contact.normal_penalty_factor;
   const auto with_bodies = [](const Stage& stage) { return stage.rigid_bodies; };
   const auto is_explicit = [&](const Stage& stage)

@@ -67,7 +67,7 @@ public:
 
 private:
   std::string path() const;
-  /// Once.
+  /// Warns once where springs give way by more than half a material point.
   void warn_of_soft_contact(const StepSummary& state);
   /// Counts the mass of points that are gone; a warning with advice at the first time.
   void tell_gone(const std::string& sentence, const std::string& advice, double mass, bool& has_warned);
