@@ -108,7 +108,7 @@ def _plot_resistance(run, target, options, caption):
     if options.area is not None and not options.area > 0.:
         raise PlotError(f"--area {options.area:g}: the area must be positive")
     curve = resistance_curve(run.bodies(), options.body, options.axis, options.stage, options.factor,
-                             options.zero, run.start_of(options.body))
+                             options.zero, run.start_of(options.body, options.stage or 1))
     fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
     path = target / f"resistance_body{options.body}_{curve.axis}.png"
     draw_resistance(curve, path, options.area, fit, caption)

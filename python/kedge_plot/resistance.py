@@ -21,8 +21,8 @@ def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=Fal
 
     axis: x, y or z; default: the one along which the body moves most. stage: take only the rows of this stage
     (default: all); the displacement then counts from the end of the stage before. factor: 2 for a half model. zero:
-    subtract the first value of the force. start: position of the body before the first row, m; default: that of the
-    first row.
+    subtract the first value of the force. start: position of the body before the first of these rows, m; default:
+    that of the row before, or of the first one.
     """
     def column(field, axis):
         name = f"body{body}_{field}_{axis}"
@@ -41,7 +41,7 @@ def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=Fal
     if axis is None:
         axis = max("xyz", key=lambda a: np.ptp(column("position", a)[rows]))
     origin = column("position", axis)[first]
-    if start is not None and stage in (None, 1):
+    if start is not None:
         origin = start["xyz".index(axis)]
     travel = column("position", axis) - origin
     force = factor * column("reaction force", axis)

@@ -15,6 +15,7 @@ from kedge_runs.run import Run
 
 from . import StudyError
 from .expressions import evaluate
+from .study import BODY_COLUMNS
 from .taking import take
 
 SUMMED = ("steps", "cuts", "newton iterations", "krylov iterations", "time steps", "deleted")
@@ -24,15 +25,19 @@ N_KEPT = 400  # points of a curve that a chart needs
 
 
 class _Folder:
-    """Output of a command that is no run of kedge."""
+    """Output of a command that is no run of kedge, or of a run that wrote none."""
 
     def __init__(self, folder):
-        self.folder, self.summary = folder, {}
+        self.folder, self.summary, self.is_finished = folder, {}, False
+
+    def __getattr__(self, name):
+        raise RunError(f"{self.folder}: no output of kedge")
 
 
 def read(study, case, folder):
     """Answers, curves and costs of a run, from its folder: {"answers": {...}, "curves": {name: [x, y]}, "costs": {...},
-    "reached": x}. Keeps them beside the run and reads them again as long as the study asks for the same."""
+    "reached": x, "notes": [why an answer is missing]}. Keeps them beside the run and reads them again as long as the
+    study asks for the same."""
     kept, key = folder / "answers.json", _key(study, case, folder)
     try:
         content = json.loads(kept.read_text(encoding="utf-8"))
@@ -57,13 +62,16 @@ def _key(study, case, folder):
 
 
 def _read(study, case, folder):
-    run = _Folder(folder) if study.command else Run(folder / "output")
+    if study.command or not (folder / "output").is_dir():  # it failed before it wrote anything
+        run = _Folder(folder)
+    else:
+        run = Run(folder / "output")
     curves = {name: _curve(study, name, run, case.names) for name in study.curves}
-    answers = {}
+    answers, notes = {}, []
     for name in study.answers:
-        answers[name] = _answer(study, name, run, case.names, curves, answers)
+        answers[name] = _answer(study, name, run, case.names, curves, answers, notes)
     first = next(iter(curves.values()), None)
-    return {"answers": answers, "costs": costs(run.summary),
+    return {"answers": answers, "costs": costs(run.summary), "notes": notes,
             "reached": float(first[0][-1]) if first and len(first[0]) else None,
             "curves": {name: [[float(value) for value in side] for side in thinned(*curve)] if curve else None
                        for name, curve in curves.items()}}
@@ -138,7 +146,7 @@ def _numbers(texts):
 
 def _bound(study, columns, run, curve):
     """The columns that the study names, and time, step and stage."""
-    result = {name: columns[name] for name in ("time", "step", "stage") if name in columns}
+    result = {name: columns[name] for name in BODY_COLUMNS if name in columns}
     for name, column in study.columns.items():
         if found := re.fullmatch(r"body(\d+)_displacement_([xyz])", column):
             result[name] = _displacement(columns, run, int(found[1]), found[2], curve.get("stage", 1))
@@ -157,8 +165,8 @@ def _displacement(columns, run, body, axis, stage):
     return position - (start["xyz".index(axis)] if start else position[0])
 
 
-def _answer(study, name, run, names, curves, answers):
-    """A number; None where the run does not hold it."""
+def _answer(study, name, run, names, curves, answers, notes):
+    """A number; None where the run does not hold it. Adds to `notes` why a curve has none."""
     answer, where = study.answers[name], f"{study.path}: answers.{name}"
     known = names | {_plain(key): np.nan if value is None else value for key, value in answers.items()}
     if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
@@ -167,8 +175,7 @@ def _answer(study, name, run, names, curves, answers):
         if "curve" in answer:
             limits = {key: evaluate(answer[key], known, f"{where}.{key}") for key in ("from", "to", "x")
                       if key in answer}
-            curve = curves[answer["curve"]]
-            value = take(*curve, answer["take"], limits) if curve else None
+            value = _of_curve(name, answer, limits, curves[answer["curve"]], notes)
         elif "summary" in answer:
             value = _of_summary(run.summary, answer["summary"])
         elif "points" in answer and run.summary and not run.is_finished:
@@ -186,6 +193,16 @@ def _answer(study, name, run, names, curves, answers):
     except RunError:  # the run did not come so far
         return None
     return float(value) if value is not None and np.isfinite(value) else None
+
+
+def _of_curve(name, answer, limits, curve, notes):
+    if not curve:
+        return None
+    try:
+        return take(*curve, answer["take"], limits)
+    except StudyError as error:
+        notes.append(f"no {name} of the curve {answer['curve']}: {error}")
+        return None
 
 
 def _of_summary(summary, path):

@@ -10,6 +10,9 @@ from . import StudyError
 from .expressions import evaluate, resolve
 
 
+MADE = "$SURFACES"  # stands for the folder of a run in which "geometry" makes surfaces
+
+
 @dataclass
 class Case:
     """One run to make. values: parameters; names: these, constants and derived values; scene: path; settings: (path,
@@ -88,7 +91,7 @@ def make_case(study, values, program):
     def surface(file):
         if file not in surfaces:
             raise StudyError(f"{where}: surface('{file}') is not made by \"geometry\"")
-        return f"$SURFACES/{file}"
+        return f"{MADE}/{file}"
 
     groups = [study.set] + [entry["set"] for index, entry in enumerate(study.when)
                             if evaluate(entry["if"], names, f"{where}: when[{index}].if")]
@@ -97,11 +100,16 @@ def make_case(study, values, program):
     words = _words(resolve(study.command, names, f"{where}: command"))
     scene = study.folder / resolve(study.scene, names, f"{where}: scene") if study.scene else None
     ranks = int(evaluate(study.ranks, names, f"{where}: ranks"))
+    if ranks < 1:
+        raise StudyError(f"{where}: ranks: {ranks}; a run needs at least 1")
     chosen = resolve(study.program, names, f"{where}: program") if study.program else ""
     chosen = study.folder / chosen if chosen else pathlib.Path(program)
     read = content_of(scene)
+    files = [file for system in read.get("rigid bodies", []) for file in _files_of_surfaces("", system)]
+    files += [file for path, value in settings for file in _files_of_surfaces(path, value)
+              if not file.startswith(MADE)]
     content = {"scene": _without_comments(read), "settings": settings, "surfaces": surfaces,
-               "words": words, "ranks": ranks, "files": _hashes_of_surfaces(scene, read)}
+               "words": words, "ranks": ranks, "files": [_hash_of(scene.parent / file) for file in files]}
     key = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
     return Case(values, names, scene, settings, surfaces, words, ranks, chosen, _name(study, values), key)
 
@@ -127,14 +135,17 @@ def _without_comments(value):
     return [_without_comments(entry) for entry in value] if isinstance(value, list) else value
 
 
-def _hashes_of_surfaces(scene, content):
-    """Hashes of the files of surfaces that a scene names, in their order. scene: its path."""
-    result = []
-    for system in content.get("rigid bodies", []):
-        for entry in system.get("stl files", []):
-            path = scene.parent / entry.get("stl", "")
-            result.append(hashlib.sha256(path.read_bytes()).hexdigest()[:12] if path.is_file() else "")
-    return result
+def _files_of_surfaces(path, value):
+    """The files of surfaces that a value at a path of an input names, in their order."""
+    if isinstance(value, dict):
+        return [file for key, entry in value.items() for file in _files_of_surfaces(key, entry)]
+    if isinstance(value, list):
+        return [file for entry in value for file in _files_of_surfaces("", entry)]
+    return [value] if path.rpartition(".")[2] == "stl" and isinstance(value, str) else []
+
+
+def _hash_of(path):
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:12] if path.is_file() else ""
 
 
 def _name(study, values):

@@ -9,7 +9,7 @@ import sys
 from kedge_runs import RunError
 from kedge_runs.program import default_program
 
-from . import StudyError, execute, page, records, results
+from . import StudyError, execute, page, results
 from .cases import cases_of
 from .progress import duration, seconds
 from .rehearsal import rehearse
@@ -118,10 +118,7 @@ def _study(options):
 
 def _run(study, cases, work, options):
     """Makes the missing runs; whether they all ended."""
-    if options.again:
-        for case in cases:
-            shutil.rmtree(case.folder(work, records.version_of(case.program)), ignore_errors=True)
-    jobs = execute.missing(study, cases, work)
+    jobs = execute.missing(cases, work, options.again)
     if not jobs:
         print(f"{study.name}: all {len(cases)} runs are there")
         return True

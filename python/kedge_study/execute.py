@@ -45,15 +45,15 @@ class Job:
         return self.estimate.get("memory", 0.)
 
 
-def missing(study, cases, work):
-    """Jobs for the cases that have no result by the present version of their program."""
+def missing(cases, work, again=False):
+    """Jobs for the cases that have no result by the present version of their program; again: for all of them."""
     jobs = []
     for case in cases:
         commit = records.version_of(case.program)
         folder = case.folder(work, commit)
         record = records.read(folder)
-        if not (record and record.is_result):
-            jobs.append(Job(case, folder, commit, before=record))
+        if again or not (record and record.is_result):
+            jobs.append(Job(case, folder, commit, before=None if again else record))
     return jobs
 
 

@@ -69,6 +69,11 @@ def _compiled(expression, where):
     return compile(tree, where, "eval"), [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
 
 
+def names_in(expression, where):
+    """The names that an expression uses."""
+    return _compiled(expression.strip(), where)[1] if isinstance(expression, str) else []
+
+
 def resolve(value, names, where, **functions):
     """A JSON value whose texts that begin with "=" are replaced by the value of the expression behind it."""
     if isinstance(value, str) and value.startswith("="):

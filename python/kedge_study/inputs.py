@@ -7,7 +7,7 @@ import subprocess
 from kedge_runs.program import ROOT
 
 from . import StudyError
-from .cases import content_of
+from .cases import MADE, content_of
 
 
 def write_input(study, case, folder):
@@ -18,12 +18,13 @@ def write_input(study, case, folder):
         if result.returncode:
             raise StudyError(f"{study.path}: geometry.{file}: {result.stderr.strip() or result.stdout.strip()}")
     scene = copy.deepcopy(content_of(case.scene))
-    for system in scene.get("rigid bodies", []):
-        for entry in system.get("stl files", []):
-            entry["stl"] = os.path.abspath(case.scene.parent / entry["stl"])
     for path, value in case.settings:
         replace(scene, path, value, f"{study.path}: set.{path}")
-    text = json.dumps(scene, indent=1).replace("$SURFACES", str(folder.resolve()))
+    for system in scene.get("rigid bodies", []):
+        for entry in system.get("stl files", []):
+            if not entry["stl"].startswith(MADE):
+                entry["stl"] = os.path.abspath(case.scene.parent / entry["stl"])
+    text = json.dumps(scene, indent=1).replace(MADE, str(folder.resolve()))
     (folder / "scene.json").write_text(text + "\n", encoding="utf-8")
     return folder / "scene.json"
 

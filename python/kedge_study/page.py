@@ -8,7 +8,7 @@ from . import convergence as orders
 from . import pictures
 from .cases import varied
 from .charts import charts_of, draw
-from .panels import main_answer, points_of, series, shown
+from .panels import finished, main_answer, points_of, series, shown
 from .progress import duration
 
 CSS = """body{font:15px/1.45 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}
@@ -48,7 +48,7 @@ class Section:
 def _section(study, name, results, n_cases, charts):
     part = study.parts[name]
     title = part.get("title", name)
-    lines = convergence_lines(study, part, results) + failures(results)
+    lines = convergence_lines(study, part, results) + failures(results) + notes(results)
     if n_cases > len(results):
         lines.append(f"{n_cases - len(results)} of {n_cases} runs are missing.")
     return Section(title, part.get("text", ""), charts, *table(study, part, results), results, lines)
@@ -99,7 +99,7 @@ def convergence_lines(study, part, results):
             continue
         answer, of_chart = main_answer(study, chart), shown(study, chart, results)
         for group in series(study, of_chart, chart["over"]):
-            sizes, values = points_of(group, chart["over"], answer)
+            sizes, values = points_of(finished(group), chart["over"], answer)
             known = group[0].references.get(answer, [])
             text = []
             if (found := orders.richardson(sizes, values)) and chart.get("scales") != "log":
@@ -133,6 +133,11 @@ def failures(results):
     """A line for each run that failed."""
     return [f"{result.case.name}: {result.status}" + (f" at {result.reached:.4g}" if result.reached is not None else "")
             + f": {result.message}" for result in results if not result.is_finished]
+
+
+def notes(results):
+    """A line for each answer that a run does not have though its curve is there."""
+    return [f"{result.case.name}: {note}" for result in results for note in result.notes]
 
 
 def _markdown(study, sections, results):

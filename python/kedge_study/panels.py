@@ -163,8 +163,9 @@ def convergence(axes, study, part, chart, results):
             continue
         heights += [*(values * factor), *(value * factor for _, value in group[0].references.get(answer, []))]
         text = _label_without(study, group[0].case, cases, over_)
-        found = orders.richardson(sizes, values) if not is_log else None
-        if is_log and (order := orders.order_of_errors(sizes, values)):
+        ended = points_of(finished(group), over_, answer)
+        found = orders.richardson(*ended) if not is_log else None
+        if is_log and (order := orders.order_of_errors(*ended)):
             text += f" (order {order:.2f})"
         axes.plot(sizes * study.scale(over_), values * factor, "o-", color=f"C{index % 10}", markersize=5, linewidth=1.,
                   label=text)
@@ -251,6 +252,11 @@ def series(study, results, over_):
         key = tuple((name, str(value)) for name, value in result.case.values.items() if name != over_)
         groups.setdefault(key, []).append(result)
     return list(groups.values())
+
+
+def finished(group):
+    """The results of runs that reached their end: others answer for another moment."""
+    return [result for result in group if result.is_finished]
 
 
 def points_of(group, over_, answer):

@@ -2,6 +2,7 @@
 import numpy as np
 
 from .expressions import evaluate
+from .study import BODY_COLUMNS
 
 ROWS = np.array([1., 2., 3.])
 
@@ -11,7 +12,7 @@ def rehearse(study, case):
     rigid_body.csv are known only after a run, so their expressions are left out."""
     where = str(study.path)
     known = case.names | {name.replace(" ", "_"): 1. for name in study.answers}
-    columns = {name: ROWS for name in (*study.columns, "time", "step", "stage")}
+    columns = {name: ROWS for name in (*study.columns, *BODY_COLUMNS)}
     with np.errstate(all="ignore"):
         for name, curve in study.curves.items():
             if curve.get("table", "bodies") == "bodies" and "function" not in curve:

@@ -27,6 +27,7 @@ class Result:
     wall: float
     memory: float  # B
     provenance: dict
+    notes: list = field(default_factory=list)  # why answers are missing
     references: dict = field(default_factory=dict)  # by answer, pairs of name and value
 
     @property
@@ -55,7 +56,7 @@ def of_runs(study, cases, work):
                 case, record.status, record.message, found["reached"], found["answers"],
                 {name: tuple(map(np.array, curve)) for name, curve in found["curves"].items() if curve},
                 found["costs"], record.cpu, record.wall, max(record.memory, found["costs"].get("peak memory") or 0.),
-                {name: getattr(record, name) for name in PROVENANCE})
+                {name: getattr(record, name) for name in PROVENANCE}, found["notes"])
     return results
 
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass, field
 import jsonschema
 
 from . import StudyError
+from .expressions import names_in
 
 SCHEMA = pathlib.Path(__file__).with_name("study.schema.json")
+BODY_COLUMNS = ("time", "step", "stage")  # of rigid_body.csv, known by these names
 RELATIVE_COSTS = {"CPU time": "cpu", "wall time": "wall", "memory": "memory"}
 
 
@@ -129,14 +131,38 @@ def _near(name, known):
     return f"; did you mean \"{close[0]}\"?" if close else f"; known: {', '.join(known)}"
 
 
+def _check_meanings(study):
+    """No name means two things in an expression."""
+    declared = {}
+    groups = {"constants": study.constants, "parameters": study.parameters, "derived": study.derived,
+              "columns": study.columns, "answers": [name.replace(" ", "_") for name in study.answers]}
+    for group, names in groups.items():
+        for name in names:
+            if name in declared and (declared[name], group) != ("columns", "answers"):  # these two never meet
+                raise StudyError(f"{study.path}: {group}.{name}: {declared[name]} has that name, too")
+            declared[name] = group
+    for name, curve in study.curves.items():
+        if curve.get("table", "bodies") != "bodies":
+            continue
+        for side in ("x", "y", "where"):
+            where = f"{study.path}: curves.{name}.{side}"
+            for used in names_in(curve.get(side, 0), where):
+                if used in BODY_COLUMNS and declared.get(used) in ("constants", "parameters", "derived"):
+                    raise StudyError(f"{where}: {used} is a column of rigid_body.csv and one of {declared[used]}; "
+                                     f"give the column another name under \"columns\"")
+
+
 def _check_names(study):
     """Every name that one key uses another one declares."""
     def require(name, known, what, where):
         if name not in known:
             raise StudyError(f"{study.path}: {where}: there is no {what} \"{name}\"{_near(name, known)}")
 
+    _check_meanings(study)
     for name, answer in study.answers.items():
         if "curve" in answer:
+            if answer["take"] == "at" and "x" not in answer:
+                raise StudyError(f"{study.path}: answers.{name}: \"at\" needs \"x\"")
             require(answer["curve"], study.curves, "curve", f"answers.{name}.curve")
         if answer.get("relative", "CPU time") not in RELATIVE_COSTS:
             require(answer["relative"], study.answers, "answer", f"answers.{name}.relative")

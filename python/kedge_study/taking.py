@@ -4,33 +4,50 @@ import numpy as np
 from kedge_plot import PlotError
 from kedge_plot.resistance import fit_hyperbola
 
+from . import StudyError
 
-NEEDS_NO_END = ("max", "min", "end", "start", "limit", "slope", "period")
+NEEDS_ALL = ("mean", "spread")  # of the range
+NEEDS_ORDER = ("mean", "spread", "period")
 SLACK = 1e-6  # of the range of x, by which a curve may miss the ends of a range
 
 
 def take(x, y, kind, limits):
-    """A number from a curve with rising x: None where it does not cover the range. limits: "from", "to" and "x"."""
+    """A number from a curve: None where it does not cover the range. limits: "from", "to" and "x". Throws StudyError
+    where x would have to go one way and does not."""
     if len(x) == 0:
         return None
     slack = SLACK * max(np.ptp(x), abs(x).max(), 1e-300)
-    low, high = limits.get("from", x[0]), limits.get("to", x[-1])
     if kind == "at":
-        low = high = limits["x"]
-        if low > x[-1] + slack or low < min(x[0], 0.) - slack:
+        return _at(x, y, limits["x"], slack)
+    if kind in NEEDS_ALL:  # where x falls, it ends at the lower limit
+        ends = limits.get("from", x.min()) >= x.min() - slack if x[-1] < x[0] else \
+            limits.get("to", x.max()) <= x.max() + slack
+        if not ends:
             return None
-        return np.interp(low, x, y) if low >= x[0] else y[0] * (low / x[0] if x[0] else 1.)
-    if kind not in NEEDS_NO_END and high > x[-1] + slack:
-        return None
-    inside = (x >= low - slack) & (x <= high + slack)
+    inside = (x >= limits.get("from", x.min()) - slack) & (x <= limits.get("to", x.max()) + slack)
     if not inside.any():
         return None
-    return _TAKERS[kind](x[inside], y[inside])
+    x, y = x[inside], y[inside]
+    if kind in NEEDS_ORDER and (np.diff(x) < -slack).any() and (np.diff(x) > slack).any():
+        raise StudyError(f"x goes to and fro, so y has no {kind} over it")
+    return _TAKERS[kind](x, y)
+
+
+def _at(x, y, place, slack):
+    """Where x first reaches a place, from whichever side. What lies before the first row is unknown."""
+    near = np.flatnonzero(abs(x - place) <= slack)
+    crossed = np.flatnonzero((x[:-1] - place) * (x[1:] - place) < 0.)
+    if len(near) and (len(crossed) == 0 or near[0] <= crossed[0] + 1):
+        return y[near[0]]
+    if len(crossed) == 0:
+        return None
+    i = crossed[0]
+    return y[i] + (y[i + 1] - y[i]) * (place - x[i]) / (x[i + 1] - x[i])
 
 
 def _mean(x, y):
     """Mean over x, by the trapezoidal rule: the work over the distance."""
-    return np.trapz(y, x) / (x[-1] - x[0]) if len(x) > 1 and x[-1] > x[0] else y.mean()
+    return np.trapz(y, x) / (x[-1] - x[0]) if len(x) > 1 and x[-1] != x[0] else y.mean()
 
 
 def _limit(x, y):

@@ -120,7 +120,11 @@ class File(StudyCase):
                                  ({"parts": {"a": {"grid": {"h": [1]}, "charts": [{"kind": "over"}]}}}, "over"),
                                  ({"references": {"F": [{"value": "exakt"}]}}, "did you mean exact"),
                                  ({"curves": {"force": {"x": "u", "y": "F * uu"}}}, "curves.force.y"),
-                                 ({"command": ["x"]}, "top level"), ({"derived": {"n": "nn"}}, "derived.n")):
+                                 ({"command": ["x"]}, "top level"), ({"derived": {"n": "nn"}}, "derived.n"),
+                                 ({"answers": {"F": {"curve": "force", "take": "at"}}}, "\"at\" needs \"x\""),
+                                 ({"ranks": 0}, "at least 1"), ({"derived": {"u": "1"}}, "derived has that name, too"),
+                                 ({"derived": {"step": "1"}, "curves": {"force": {"x": "u", "y": "F * step"}}},
+                                  "step is a column of rigid_body.csv and one of derived")):
             with self.subTest(message):
                 self.write(**changes)
                 code, text = self.study("--estimate")
@@ -163,6 +167,14 @@ class Cases(StudyCase):
         self.assertNotEqual(first(), before)
         self.write(set=STUDY["set"] | {"time": 3})
         self.assertNotEqual(first(), before)
+
+    def test_hash_knows_surfaces_of_settings(self):
+        self.write(set=STUDY["set"] | {"stl": "a.stl"})
+        keys = []
+        for content in ("solid a", "solid b"):
+            (self.folder / "a.stl").write_text(content, encoding="utf-8")
+            keys.append(cases_of(load(self.path), self.folder / "kedge")["cells"][0].input)
+        self.assertNotEqual(*keys)
 
     def test_whole_numbers_are_equal_however_written(self):
         self.write(parts={"a": {"runs": [{"h": 2.0}, {"h": 2}]}})
@@ -297,11 +309,14 @@ class Runs(StudyCase):
         self.assertIn("does not fit into the budget", self.study("--budget", "1 min")[1])
 
     def test_time_limit_stops_a_run(self):
-        (self.folder / "kedge").write_text((self.folder / "kedge").read_text(encoding="utf-8").replace(
-            "time.sleep(scene[\"sleep\"])", "\nwhile scene['sleep']: pass"), encoding="utf-8")
+        program = (self.folder / "kedge").read_text(encoding="utf-8")
         self.write({"sleep": 1}, **{"time limit": "0.3 s"})
-        self.study("--parts", "cells")
-        self.assertEqual({row["status"] for row in self.table().values()}, {"stopped"})
+        for place in ("time.sleep(scene[\"sleep\"])", "folder ="):  # after and before there is any output
+            with self.subTest(place):
+                (self.folder / "kedge").write_text(program.replace(place, "while scene['sleep']: pass\n" + place),
+                                                   encoding="utf-8")
+                self.study("--parts", "cells", "--again")
+                self.assertEqual({row["status"] for row in self.table().values()}, {"stopped"})
 
     def test_an_interrupted_study_goes_on(self):
         self.write({"sleep": 1.5})

@@ -47,13 +47,25 @@ class Numbers(unittest.TestCase):
         self.assertEqual(take(x, y, "max", {}), 4.)
         self.assertAlmostEqual(take(x, y, "mean", {"from": 2., "to": 4.}), 3.5)
         self.assertEqual(take(x, y, "at", {"x": 1.5}), 3.)
-        self.assertEqual(take(x, y, "at", {"x": 0.5}), 1.)
+        self.assertIsNone(take(x, y, "at", {"x": 0.5}))  # before the first row
+        self.assertEqual(take(-x, y, "at", {"x": -1.5}), 3.)
         self.assertIsNone(take(x, y, "at", {"x": 5.}))
         self.assertIsNone(take(x, y, "mean", {"to": 5.}))
+        self.assertIsNone(take(-x, y, "mean", {"from": -5.}))
+        self.assertAlmostEqual(take(-x, y, "mean", {"from": -4., "to": -2.}), 3.5)
         self.assertAlmostEqual(take(x, y, "spread", {"from": 3.}), 1. / 3.)
         t = np.linspace(0., 10., 400)
         self.assertAlmostEqual(take(t, np.sin(2. * np.pi * t / 2.5), "period", {}), 2.5, places=2)
         self.assertAlmostEqual(take(t, t / (0.1 + t / 7.), "limit", {}), 7., places=6)
+
+    def test_taken_from_a_path_to_and_fro(self):
+        x, y = np.array([0., 2., 1., -1., 3.]), np.array([0., 4., 7., 9., 1.])
+        self.assertEqual(take(x, y, "at", {"x": 1.}), 2.)  # where x first reaches it
+        self.assertEqual(take(x, y, "at", {"x": -0.5}), 8.5)
+        self.assertEqual((take(x, y, "min", {}), take(x, y, "max", {}), take(x, y, "end", {})), (0., 9., 1.))
+        for kind in ("mean", "spread", "period"):
+            with self.subTest(kind), self.assertRaisesRegex(StudyError, "to and fro"):
+                take(x, y, kind, {})
 
     def test_richardson_finds_order_and_limit(self):
         for order in (1., 2., 1.5):

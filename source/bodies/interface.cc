@@ -53,14 +53,6 @@ Section<InterfaceParameters> interface_section(const bool required)
                    "within half a point's size of a body that is wished in place; it resists any tension, and with "
                    "adhesion \"smaller\" means the adhesion alone" +
                        (required ? std::string("; default: \"off\"") : otherwise));
-  section.check(
-      [](const P& interface, const Place& place)
-      {
-        if (interface.tangential_limit && !interface.adhesion)
-          place.key("tangential limit")
-              .fail("it needs an \"adhesion\" to combine with friction, and there is none",
-                    "add \"adhesion\" (Pa), or remove the key for friction alone");
-      });
   return section;
 }
 } // namespace kedge

@@ -122,6 +122,15 @@ std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned
   return levers;
 }
 
+double farthest_from_points(const RigidSystems& systems)
+{
+  double farthest = 0.;
+  for (const WeldedSurface& welded : systems.surfaces)
+    for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
+      farthest = std::max(farthest, vertex.norm());
+  return farthest;
+}
+
 double largest_prescribed_motion(const RigidSystems& systems)
 {
   double largest = 0.;

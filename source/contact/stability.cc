@@ -1,5 +1,6 @@
 // How stiff the contact springs are: what explicit stages need for their stable step.
 #include <algorithm>
+#include <cmath>
 #include <kedge/contact/contact.h>
 #include <limits>
 
@@ -29,12 +30,11 @@ template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystem
   {
     const RigidPoint& point = bodies.points[i];
     double sum = point.is_free(0) || point.is_free(1) || point.is_free(2) ? springs[i][0] / point.mass : 0.;
-    const bool turns_about_all = point.is_free(3) && point.is_free(4) && point.is_free(5);
-    double least = turns_about_all ? point.inertia.minCoeff() : std::numeric_limits<double>::infinity();
     const Eigen::Vector3d about_axes = point.world_inertia().diagonal();
+    double least = std::numeric_limits<double>::infinity();
     for (unsigned int axis = 0; axis < 3; ++axis)
-      if (point.is_free(3 + axis))
-        least = std::min(least, about_axes[axis]);
+      if (point.is_free(3 + axis)) // about two axes it may turn as about one between them
+        least = std::isinf(least) ? about_axes[axis] : point.inertia.minCoeff();
     sum += springs[i][1] / least;
     largest = std::max(largest, sum);
   }

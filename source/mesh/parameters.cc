@@ -132,11 +132,13 @@ Section<Adaptivity> adaptivity_section()
   using P = Adaptivity;
   const std::vector<std::string> surface = {"rigid body surface"};
   Section<P> section("Refinement of the mesh");
-  section.required("type", &P::type,
-                   choice<AdaptivityType>({{"none", AdaptivityType::none},
-                                           {"uniform", AdaptivityType::uniform},
-                                           {surface[0], AdaptivityType::rigid_body_surface}}),
-                   "Base size where there is soil, base size everywhere, or finer where the bodies' surfaces are");
+  section.required(
+      "type", &P::type,
+      choice<AdaptivityType>({{"none", AdaptivityType::none},
+                              {"uniform", AdaptivityType::uniform},
+                              {surface[0], AdaptivityType::rigid_body_surface}}),
+      "Base size where there is soil, base size everywhere, or finer where the bodies' surfaces are. After a stage "
+      "that refines, the first two keep its cells");
   section.required("element size", &P::element_size, number("m", positive()), "Cell size at the surfaces")
       .only_for("type", surface);
   // Functions set these members, because their zeros mean "no region" and must not be published as defaults.

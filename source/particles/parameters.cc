@@ -41,7 +41,7 @@ Section<MaterialPointParameters> material_points_section()
 {
   Section<P> section("The soil block and its material points");
   section.required("extra capacity", &P::extra_capacity, number("-", Bounds().at_least(1.)),
-                   "Storage to reserve over the first number of material points; a hint");
+                   "Of no effect: storage grows with the number of material points");
   section.required("element size", &P::element_size, number("m", positive()),
                    "Base cell size, rounded down to the smallest size in the file times a power of two");
   section.required(

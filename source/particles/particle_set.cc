@@ -195,6 +195,13 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
       data[field::acceleration + i] = moves ? acceleration(p, i) : 0.;
     }
   }
+  if (!moves && order.size() < particles.n_locally_owned_particles()) // some wait outside the window
+    for (auto& particle : particles)
+    {
+      double* data = particle.get_properties().data();
+      std::fill_n(data + field::velocity, 3, 0.);
+      std::fill_n(data + field::acceleration, 3, 0.);
+    }
   const long long before = particles.n_global_particles();
   const double mass_before = mass();
   const std::optional<std::vector<Stray<dim>>> strays = take_out_strays();

@@ -181,7 +181,7 @@ double estimate_critical_time_step(const Input& input, const Stage& stage)
 {
   const SteppingParameters& stepping = stage.stepping;
   const double base = input.material_points.element_size;
-  const double size = is_refined(stage) ? finest_size(stage.adaptivity, base) : base;
+  const double size = finest_size(stage.cells, base);
   double fastest = 0.;
   for (const Layer& layer : input.material_points.layers)
     fastest = std::max(fastest, layer.material.young / (1. - 2. * std::min(layer.material.poisson, 0.499)) /

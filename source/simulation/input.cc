@@ -27,8 +27,10 @@ Section<Stage> stage_section()
   section.required(bodies, &Stage::rigid_bodies, on_off(), "\"off\": the bodies are frozen and touch nothing");
   section.optional("boundary conditions", &Stage::boundary_conditions, object_of(boundary_conditions_section()),
                    "Conditions on the faces of the grid; without it all are free");
-  section.optional("adaptivity", &Stage::adaptivity, object_of(adaptivity_section()),
-                   "Refinement of the mesh; without it, or around frozen bodies, the base size where there is soil");
+  section.optional(
+      "adaptivity", &Stage::adaptivity, object_of(adaptivity_section()),
+      "Refinement of the mesh; without it, or around frozen bodies, cells stay as the stage before leaves them, of "
+      "base size at first");
   section
       .optional("rigid body surface placement", &Stage::surface_placement, on_off(),
                 "Move all bodies vertically by one amount, so that the lowest surface point rests on the soil")
@@ -107,7 +109,7 @@ Section<Input> input_section()
       },
       object_of(material_points_section()), "The soil block and its material points");
   section.required("rigid bodies", &Input::systems, list_of(object_of(system_section())),
-                   "Systems of rigid bodies; [] = none");
+                   "Systems of rigid bodies; [] = none. Bodies touch soil, not each other");
   section.required("contact", &Input::contact, object_of(contact_section()), "Contact between soil and bodies");
   section.required("analysis", &Input::stages, list_of(object_of(stage_section()), 1), "The stages, in order");
   section.required("solver", &Input::solver, object_of(solver_section()), "Newton iterations and linear solver");
@@ -153,13 +155,19 @@ Input parse_input(const std::string& text, const std::string& folder, const std:
 
   Input input;
   section.read(document, input, Place(context));
-  for (Stage& stage : input.stages) // frozen bodies are neither refined around nor followed
-    if (!stage.rigid_bodies)
+  Adaptivity cells;
+  for (Stage& stage : input.stages)
+  {
+    if (!stage.rigid_bodies) // frozen bodies are neither refined around nor followed
     {
       stage.track = BoundaryTrack();
       if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
         stage.adaptivity.type = AdaptivityType::none;
     }
+    if (stage.adaptivity.type == AdaptivityType::rigid_body_surface)
+      cells = stage.adaptivity;
+    stage.cells = cells;
+  }
   choose_springs(document, input);
   input.effective_json = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   return input;

@@ -194,9 +194,33 @@ void check_weight(const Stage& stage, const Input& input, const Place& systems)
 }
 } // namespace
 
+/// The key may stand at "contact" and the adhesion at a surface, or the other way round.
+void check_tangential_limits(const Input& input, const Place& root)
+{
+  const auto fail = [](const Place& place)
+  {
+    place.key("tangential limit")
+        .fail("it needs an \"adhesion\" to combine with friction, and there is none",
+              "add \"adhesion\" (Pa), or remove the key for friction alone");
+  };
+  const InterfaceParameters& general = input.contact.interface;
+  bool any_adhesion = general.adhesion.has_value();
+  for (std::size_t s = 0; s < input.systems.size(); ++s)
+    for (std::size_t i = 0; i < input.systems[s].surfaces.size(); ++i)
+    {
+      const InterfaceParameters& own = input.systems[s].surfaces[i].interface;
+      any_adhesion = any_adhesion || own.adhesion;
+      if (own.tangential_limit && !own.or_else(general).adhesion)
+        fail(root.key("rigid bodies").entry(s).key(input.dimension == 3 ? "stl files" : "outline").entry(i));
+    }
+  if (general.tangential_limit && !any_adhesion)
+    fail(root.key("contact"));
+}
+
 void check_consistency(const Input& input, const Place& root)
 {
   check_soil(input, root);
+  check_tangential_limits(input, root);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
   {
     const Stage& stage = input.stages[i];

@@ -1,4 +1,5 @@
 #include "time_loop.h"
+#include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
 #include <kedge/base/communication.h>
@@ -49,6 +50,9 @@ template <int dim> void Simulation<dim>::resume()
   if (progress.program != name_of_program())
     log.report().warn(fmt::format("{} comes from {}; this is {}, so results may differ from those of one run",
                                   start.path, progress.program, name_of_program()));
+  const unsigned int n_begun = progress.stage + (progress.steps_in_stage > 0 ? 1 : 0);
+  if (std::any_of(input.stages.begin(), input.stages.begin() + n_begun, [](const Stage& s) { return s.rigid_bodies; }))
+    soil.contact().remember_search();
   enter_stage(progress.stage);
   log.resume(stage->stepping, progress.summary, stage_number);
   writer.keep_until(progress.step);

@@ -156,6 +156,20 @@ void RunLog::warn_of_no_soil(const long long points, const unsigned int step)
   has_warned_of_no_soil = has_warned_of_no_soil || points == 0;
 }
 
+void RunLog::warn_of_passage(const RigidSystems& bodies, const unsigned int step)
+{
+  if (!passage)
+    passage.emplace(bodies, input.dimension);
+  if (has_warned_of_passage)
+    return;
+  const auto through = passage->find(bodies);
+  has_warned_of_passage = through.has_value();
+  if (through)
+    terminal.warn(fmt::format("step {}: surfaces {} and {} pass through each other, for bodies touch soil only; where "
+                              "they would meet, join them or hold them apart",
+                              step, through->first + 1, through->second + 1));
+}
+
 void RunLog::progress(const NewtonReport& newton, const Clock& clock, const double share, const StepSummary& state)
 {
   StageSummary& stage = summary.stages.back();

@@ -138,6 +138,8 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
         fmt::format("\"poor factor\" {:.3g} takes cells that soil almost fills for boundary cells, which "
                     "the ghost stabilisation stiffens; take 0.25",
                     input.solver.poor_factor));
+  const bool has_joints = std::any_of(input.systems.begin(), input.systems.end(),
+                                      [](const SystemParameters& system) { return !system.joints.empty(); });
   for (std::size_t i = 0; i < input.stages.size(); ++i)
   {
     const SteppingParameters& newmark = input.stages[i].stepping;
@@ -151,9 +153,9 @@ void add_warnings_about_choices(const Input& input, const double finest_size, st
                                      i + 1, beta, gamma, 0.25 * (gamma + 0.5) * (gamma + 0.5)));
     if (gamma < quiet_gamma && input.stages[i].rigid_bodies && !input.systems.empty())
       warnings.push_back(
-          fmt::format("stage {}: with \"gamma\" {:g} contacts that open and close may add energy; 1, with "
+          fmt::format("stage {}: with \"gamma\" {:g} contacts that open and close{} may add energy; 1, with "
                       "\"beta\" 0.5625, does not",
-                      i + 1, gamma));
+                      i + 1, gamma, has_joints ? ", and stiff joints in steps longer than their periods," : ""));
   }
   const double factor = input.contact.normal_penalty_factor;
   const auto with_bodies = [](const Stage& stage) { return stage.rigid_bodies; };

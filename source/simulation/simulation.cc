@@ -10,7 +10,6 @@
 #include <kedge/base/failure.h>
 #include <kedge/output/checkpoint.h>
 #include <kedge/output/folder_lock.h>
-#include <kedge/simulation/failure_hint.h>
 #include <kedge/simulation/layout.h>
 #include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/step_load.h>
@@ -171,7 +170,11 @@ template <int dim> bool Simulation<dim>::run_stage()
       if (clock.at_end())
         end_stage();
       if (!save_if_due(clock))
+      {
+        if (!clock.at_end())
+          end_stage();
         return false;
+      }
     }
     else if (!clock.cut() && !bring_into_balance(clock))
       give_up(clock, report);
@@ -225,30 +228,12 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
     nothing.failure = error.what();
     give_up(clock, nothing);
   }
-}
-
-/// Where even the smallest step fails: the forces that nothing balances at its start come first. False where that fails
-/// too, has been done before this very step, or has no place.
-template <int dim> bool Simulation<dim>::bring_into_balance(const Clock& clock)
-{
-  if (stage->stepping.type != StageType::static_ || balanced_step == step_number)
-    return false;
-  balanced_step = step_number;
-  const auto attempt = [this](const StepLoad& load)
+  catch (const InputError&) // a body force, say, that has no value any more
   {
-    forget_motion();
-    if (!step)
-      prepare_step();
-    const bool converged = step->solve(load).converged;
-    if (converged)
-      commit_step();
-    return converged;
-  };
-  const bool balanced = balance_in_parts(clock, *stage, bodies, attempt);
-  forget_motion();
-  if (balanced)
-    log.report().line(fmt::format("step {}: the soil was brought into balance before the load goes on", step_number));
-  return balanced;
+    rethrow_if_alone("step");
+    save_what_is_there(clock);
+    throw;
+  }
 }
 
 /// Fits soil and mesh to where the bodies are, then sets up basis, numbering, contact pairs and matrix.
@@ -259,6 +244,7 @@ template <int dim> void Simulation<dim>::prepare_step()
   adapt();
   log.warn_of_cut_domains(soil.particles().n_cut(), step_number);
   log.warn_of_no_soil(soil.particles().n_global(), step_number);
+  log.warn_of_passage(bodies, step_number);
   step = make_step();
   replaces_soil = false;
 }
@@ -321,7 +307,7 @@ template <int dim> void Simulation<dim>::commit_step()
 {
   const SoilIncrements increments = step->soil_increments();
   reactions = step->reactions();
-  touches = soil.contact().touches();
+  touches = stage->rigid_bodies ? soil.contact().touches() : decltype(touches)();
   step->move_bodies(bodies);
   dofs = step->n_dofs();
   basis_bytes = step->basis_bytes();
@@ -343,21 +329,6 @@ template <int dim> StepSummary Simulation<dim>::summarise_step() const
   summary.penetration = touches ? soil.contact().deepest_penetration() : 0.;
   summary.compression = touches ? soil.contact().largest_compression() : 0.;
   return summary;
-}
-
-template <int dim> void Simulation<dim>::give_up(const Clock& clock, const NewtonReport& newton)
-{
-  if (log.steps_in_stage() > 0)
-  {
-    write_or_warn("last output", [&] { write_output(clock, true); });
-    write_or_warn("last restart file", [&] { save_failed_state(clock); });
-    write_or_warn("end of output", [&] { finish_output(); });
-  }
-  ResidualPlace residual;
-  if (step && !newton.residuals.empty())
-    residual = step->find_residual();
-  end_stage();
-  throw SolverError(describe_failure(input, stage_number, clock, newton, residual), newton.residuals);
 }
 
 template <int dim> void Simulation<dim>::end_stage()

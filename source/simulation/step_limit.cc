@@ -12,7 +12,7 @@ constexpr unsigned int most_parts = 1u << 30;
 StepLimit find_step_limit(const Stage& stage, const RigidSystems& bodies, const double base_size)
 {
   StepLimit limit;
-  limit.cell_size = cell_size_at_surfaces(stage.adaptivity, base_size);
+  limit.cell_size = cell_size_at_surfaces(stage.cells, base_size);
   if (!stage.rigid_bodies)
     return limit;
   limit.motion = largest_prescribed_motion(bodies);

@@ -22,7 +22,8 @@ StepLoad load_at(const Clock& clock, const Stage& stage, const RigidSystems& bod
                   stepping.type == StageType::dynamic ? clock.step_fraction() * stepping.dt : 0.};
   load.begins_stage = first;
   for (const RigidPoint& point : bodies.points)
-    load.body_increments.push_back(point.prescribed_increment(clock.step_fraction()));
+    load.body_increments.push_back(stage.rigid_bodies ? point.prescribed_increment(clock.step_fraction())
+                                                      : Vector6::Zero());
   return load;
 }
 

@@ -50,6 +50,7 @@ private:
   void write_restart_file(const Clock& clock, const std::string& path);
   void save_failed_state(const Clock& clock);
   void write_or_warn(const std::string& place, const std::function<void()>& write);
+  void save_what_is_there(const Clock& clock);
   [[noreturn]] void give_up(const Clock& clock, const NewtonReport& newton);
   void end_stage();
 

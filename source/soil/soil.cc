@@ -150,7 +150,7 @@ template <int dim> void Soil<dim>::set_window(const Window<dim>& window, const B
   if (window == grid.leaves().window)
     return;
   grid.set_window(window);
-  deleted += points.remove_if(
+  const long long removed = points.remove_if(
       [&](const auto& particle)
       {
         // by its cell, as activity is
@@ -160,17 +160,22 @@ template <int dim> void Soil<dim>::set_window(const Window<dim>& window, const B
           x[d] = centre[d];
         return is_left_behind<dim>(x, window, track, grid.layout());
       });
+  deleted += removed;
   const LeafTable<dim> before = grid.leaves();
-  if (!balance_where_it_pays())
-    return;
-  follow_particles();
-  guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
+  const bool balanced = balance_where_it_pays();
+  if (balanced || removed > 0)
+    follow_particles(); // before a split gives the number of one that is gone to another
+  if (balanced)
+    guess = transfer_prediction<dim>(guess, before, grid.leaves(), communicator());
 }
 
 template <int dim> HopelessParticles Soil<dim>::clean(const bool has_inertia)
 {
   const HopelessParticles removed = remove_hopeless_particles(points, grid, has_inertia);
-  deleted += removed.distorted + removed.isolated;
+  const long long n = removed.distorted + removed.isolated;
+  deleted += n;
+  if (n > 0)
+    follow_particles();
   return removed;
 }
 
@@ -238,16 +243,16 @@ template <int dim> long long Soil<dim>::remove_buried(const RigidSystems& bodies
                has_no_room<dim>(bodies, x, &particle.get_properties()[field::half_width]);
       });
   deleted += removed;
+  if (removed > 0)
+    follow_particles();
   return removed;
 }
 
 template <int dim> void Soil<dim>::commit(const SoilIncrements& increments, const RigidSystems* bodies)
 {
+  points.set_contact_gaps(bodies != nullptr ? contacts.smallest_gaps(*bodies) : decltype(contacts.smallest_gaps({}))());
   if (bodies != nullptr)
-  {
-    points.set_contact_gaps(contacts.smallest_gaps(*bodies));
     contacts.commit();
-  }
   guess = increments.prediction;
   gravity_at_rest.reset();
   const DomainUpdate automatic = given.f_bar ? DomainUpdate::flow : DomainUpdate::none;

@@ -61,7 +61,7 @@ template <int dim> std::string ImplicitStep<dim>::refusal_of_leap() const
   if (rigid_unknowns->empty())
     return "";
   const BodyLoads loads = body_loads();
-  const double cell = cell_size_at_surfaces(context.stage.adaptivity, context.soil.mesh().layout().base_size);
+  const double cell = cell_size_at_surfaces(context.stage.cells, context.soil.mesh().layout().base_size);
   std::vector<double> distance; // by free dofs, in cells
   for (std::size_t i = 0; i < loads.size(); ++i)
   {

@@ -83,10 +83,9 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   increment = Teuchos::rcp(new TpetraVector(rigid_unknowns->map()));
   full_weight = system().make_nodal_vector();
   add_weight<dim>(context.soil.particles().arrays(), basis.stencils, context.gravity, 1., full_weight);
-  TpetraVector weight(system().graph().row_map);
-  system().collect(full_weight, weight);
-  weight_norm = weight.norm2();
+  weight_norm = norm_of(full_weight);
   given_sizes = system().make_nodal_vector();
+  momentum_sizes = system().make_nodal_vector();
   add_force_sizes(dim, full_weight, given_sizes);
   force_measure = ForceMeasure(dim, basis.nodes.communicator, find_node_places().spacing);
 
@@ -101,7 +100,16 @@ ImplicitStep<dim>::ImplicitStep(const StepContext<dim>& context_)
   add_particle_momentum(particles, basis.stencils, particles.velocity, drift);
   const double counts = std::max(far_above_round_off, round_off / context.solver.force_tolerance);
   KokkosBlas::scal(drift, counts / stepping.dt, drift);
-  add_force_sizes(dim, drift, given_sizes);
+  add_force_sizes(dim, drift, momentum_sizes);
+  KokkosBlas::axpy(1., momentum_sizes, given_sizes);
+}
+
+/// Over all ranks, N.
+template <int dim> double ImplicitStep<dim>::norm_of(const NodalVector& nodal) const
+{
+  TpetraVector owned(system().graph().row_map);
+  system().collect(nodal, owned);
+  return owned.norm2();
 }
 
 template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
@@ -222,22 +230,15 @@ template <int dim> void ImplicitStep<dim>::find_body_force()
     add_particle_momentum(particles, basis.stencils, quantity, result);
     return result;
   };
-  given_sizes = system().make_nodal_vector();
-  const auto norm = [&](const View<double* [3]>& quantity, const double factor)
-  {
-    const NodalVector nodal = at_nodes(quantity);
-    KokkosBlas::scal(nodal, factor, nodal);
-    add_force_sizes(dim, nodal, given_sizes);
-    TpetraVector owned(system().graph().row_map);
-    system().collect(nodal, owned);
-    return owned.norm2();
-  };
   first_body_force = at_nodes(first);
   last_body_force = at_nodes(last);
   body_force = first_body_force;
-  weight_norm = norm(size, 1.);
+  const NodalVector nodal_size = at_nodes(size);
+  Kokkos::deep_copy(given_sizes, momentum_sizes);
+  add_force_sizes(dim, nodal_size, given_sizes);
+  weight_norm = norm_of(nodal_size);
   if (load.newmark.is_dynamic())
-    weight_norm = std::max(weight_norm, norm(particles.velocity, 1. / context.stage.stepping.final_time));
+    weight_norm = std::max(weight_norm, norm_of(at_nodes(particles.velocity)) / context.stage.stepping.final_time);
   if (weight_norm == 0. && context.solver.measures_by_weight())
     throw SolverError("neither gravity nor the body force acts on the soil in this step, but residuals are compared "
                       "with them");

@@ -133,6 +133,8 @@ public:
   std::vector<ContactRecord> export_history() const;
   /// Replaces it. The records may lie on any rank: they go to those that hold their particles, `ids` here. Collective.
   void import_history(const std::vector<ContactRecord>& records, const std::vector<long long>& ids);
+  /// For a run that goes on: it has searched for pairs before, whether it found any or none.
+  void remember_search() { has_searched = true; }
 
   /// Smallest gap of a corner of each particle in the last evaluation (m), `moved` being the bodies at its end;
   /// infinite beyond a particle's size, and missing for particles without pairs.

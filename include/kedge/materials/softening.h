@@ -149,16 +149,14 @@ KEDGE_FUNCTION double find_softening(const Law& law, const Eigen::Vector3d& tria
     const double difference = kappa - before - sqrt3 * response.plastic_increment;
     const double slope = 1. + sqrt2 / (2. * elasticity.shear) * plastic_direction(response, trial_strain).dot(rate);
     (difference < 0. ? low : high) = kappa;
-    const double aim = kappa - difference / slope;
-    if (slope > 0. && aim >= low && aim <= high)
-    {
-      const double step = std::fabs(aim - kappa);
+    const double aim = kappa - difference / slope, step = std::fabs(aim - kappa);
+    const bool is_last = step <= 1e-8 * (aim - before) + round_off; // the next step would be its square
+    if (slope > 0. && aim >= low && aim <= high && (is_last || (aim > low && aim < high)))
       kappa = aim;
-      if (step <= 1e-8 * (kappa - before) + round_off) // the next step would be its square
-        break;
-    }
     else
       kappa = high < INFINITY ? 0.5 * (low + high) : before + 4. * (kappa - before);
+    if (slope > 0. && is_last)
+      break;
   }
   return kappa;
 }

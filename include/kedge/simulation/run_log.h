@@ -4,7 +4,7 @@
 #include <chrono>
 #include <kedge/base/failure.h>
 #include <kedge/base/report.h>
-#include <kedge/bodies/rigid_systems.h>
+#include <kedge/bodies/passage.h>
 #include <kedge/output/summary.h>
 #include <kedge/particles/cleaning.h>
 #include <kedge/simulation/simulation.h>
@@ -57,6 +57,8 @@ public:
   void warn_of_cut_domains(long long here, unsigned int step);
   /// Warns once where none of all ranks' material points are left.
   void warn_of_no_soil(long long points, unsigned int step);
+  /// Warns once where bodies that were apart at the first call pass through each other.
+  void warn_of_passage(const RigidSystems& bodies, unsigned int step);
   /// `cells` hold soil; `mass` is that of this rank's particles, kg, `particle_bytes` and `basis_bytes` are
   /// what they and their stencils take. Collective.
   void end_stage(const StepSummary& state, long long cells, double mass, double particle_bytes, double basis_bytes);
@@ -86,7 +88,8 @@ private:
   double step_length = 1.;      ///< of the stage: s, or a fraction of the load
   long long deleted_before = 0; ///< in earlier stages
   LostParticles told_lost;
+  std::optional<PassageWatch> passage;
   bool has_warned_of_removed = false, has_warned_of_lost = false, has_warned_of_cut_domains = false,
-       has_warned_of_no_soil = false, has_warned_of_soft_contact = false;
+       has_warned_of_no_soil = false, has_warned_of_soft_contact = false, has_warned_of_passage = false;
 };
 } // namespace kedge

@@ -46,6 +46,7 @@ private:
   RigidStep rigid_step() const;
   NodePlaces find_node_places() const;
   void weigh_bodies();
+  double norm_of(const NodalVector& nodal) const;
   void find_body_force();
   void find_first_acceleration();
   Start choose_start(const NewtonProblem& newton);
@@ -75,9 +76,10 @@ private:
   NodalVector full_weight; ///< nodal weight of the soil under full gravity, N
   NodalVector body_force;  ///< of the material points, N, at the time of the residual; empty without one
   NodalVector first_body_force, last_body_force; ///< the same at both ends of the step
-  NodalVector given_sizes; ///< sizes of weight, body force and momentum over the stage, N, in entry dim * v
-  Teuchos::RCP<TpetraVector> kept_unbalanced; ///< N: what a step need not balance of its start's residual; or null
-  double weight_norm = 0.;                    ///< N: what residuals are measured by where the input asks for it
+  NodalVector given_sizes;                       ///< sizes of weight, body force and what follows, N, in entry dim * v
+  NodalVector momentum_sizes;                    ///< of the momentum that round-off leaves over a step
+  Teuchos::RCP<TpetraVector> kept_unbalanced;    ///< N: what a step need not balance of its start's residual; or null
+  double weight_norm = 0.;                       ///< N: what residuals are measured by where the input asks for it
   ForceMeasure force_measure;
   double body_weight = 0., body_lever = 1.; ///< N, m: of all bodies
   std::vector<double> body_levers;          ///< m: of each point

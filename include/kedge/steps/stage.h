@@ -20,6 +20,7 @@ struct Stage
   bool rigid_bodies = false;
   BoundaryConditions boundary_conditions;
   Adaptivity adaptivity;
+  Adaptivity cells; ///< of the last stage up to this one that refines, for its cells stay
   bool surface_placement = false;
   bool wished_in_place = false;
   double largest_motion = 0.1; ///< of surfaces in a step as prescribed, over the cells at them; infinite: no limit

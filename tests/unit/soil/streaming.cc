@@ -93,6 +93,24 @@ TYPED_TEST(FlowingSoil, FindsNoRoomInANarrowSlit)
     EXPECT_GT(std::abs(this->particles.positions()[p][0] - 0.7), 0.3);
 }
 
+TYPED_TEST(FlowingSoil, LeavesNoContactBehindForTheNextWithItsNumber)
+{
+  Contact<TypeParam::value>& contact = this->soil.parts().contact;
+  std::vector<ContactRecord> records;
+  for (const long long id : this->particles.ids())
+  {
+    ContactRecord record{};
+    record.particle = id;
+    record.bonded = 1;
+    records.push_back(record);
+  }
+  contact.import_history(records, this->particles.ids());
+  this->put_walls({{{0.38, 0.68}, {0.72, 0.98}}});
+  ASSERT_GT(this->soil.remove_buried(this->bodies), 0);
+  const auto count = [](const std::size_t n) { return sum_over_ranks(static_cast<long long>(n), MPI_COMM_WORLD); };
+  EXPECT_EQ(count(contact.export_history().size()), this->particles.n_global());
+}
+
 TYPED_TEST(FlowingSoil, FindsNoRoomInASlitOfASingleRow)
 {
   // Both bodies leave all of the boxes of 0.2 m around 0.7 m, or nearly: no second row fits between 0.6 and 0.98 m.
