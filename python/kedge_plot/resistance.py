@@ -20,7 +20,7 @@ def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=Fal
     """The curve from the columns of rigid_body.csv.
 
     axis: x, y or z; default: the one along which the body moves most. stage: take only the rows of this stage
-    (default: all); the displacement then counts from the end of the stage before. factor: 2 for a half model. zero:
+    (default: all). factor: 2 for a half model. zero:
     subtract the first value of the force. start: position of the body before the first of these rows, m; default:
     that of the row before, or of the first one.
     """

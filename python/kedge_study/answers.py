@@ -148,7 +148,8 @@ def _bound(study, columns, run, curve):
     """The columns that the study names, and time, step and stage."""
     result = {name: columns[name] for name in BODY_COLUMNS if name in columns}
     for name, column in study.columns.items():
-        if found := re.fullmatch(r"body(\d+)_displacement_([xyz])", column):
+        found = re.fullmatch(r"body(\d+)_displacement_([xyz])", column)
+        if found and column.replace("displacement", "position") in columns:
             result[name] = _displacement(columns, run, int(found[1]), found[2], curve.get("stage", 1))
         elif column not in columns:
             raise StudyError(f"{study.path}: columns.{name}: rigid_body.csv has no column \"{column}\"; it has "
@@ -168,7 +169,7 @@ def _displacement(columns, run, body, axis, stage):
 def _answer(study, name, run, names, curves, answers, notes):
     """A number; None where the run does not hold it. Adds to `notes` why a curve has none."""
     answer, where = study.answers[name], f"{study.path}: answers.{name}"
-    known = names | {_plain(key): np.nan if value is None else value for key, value in answers.items()}
+    known = names | {_plain(key): np.float64(np.nan if value is None else value) for key, value in answers.items()}
     if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
         return None
     try:
@@ -185,7 +186,8 @@ def _answer(study, name, run, names, curves, answers, notes):
         elif "relative" in answer:
             value = None  # results.add_relatives knows the other run
         elif "expression" in answer:
-            value = evaluate(answer["expression"], known, f"{where}.expression")
+            with np.errstate(all="ignore"):
+                value = evaluate(answer["expression"], known, f"{where}.expression")
         else:
             value = function_of(study, answer["function"], where)(run, names)
     except StudyError:
@@ -214,7 +216,7 @@ def _of_summary(summary, path):
             value = value[int(step) if isinstance(value, list) else step]
         except (KeyError, IndexError, ValueError, TypeError):
             return None
-    return value
+    return value if isinstance(value, (int, float)) else None
 
 
 def function_of(study, text, where):

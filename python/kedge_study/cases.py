@@ -103,7 +103,7 @@ def make_case(study, values, program):
     if ranks < 1:
         raise StudyError(f"{where}: ranks: {ranks}; a run needs at least 1")
     chosen = resolve(study.program, names, f"{where}: program") if study.program else ""
-    chosen = study.folder / chosen if chosen else pathlib.Path(program)
+    chosen = study.folder / chosen if chosen else pathlib.Path(program).resolve()
     read = content_of(scene)
     files = [file for system in read.get("rigid bodies", []) for file in _files_of_surfaces("", system)]
     files += [file for path, value in settings for file in _files_of_surfaces(path, value)

@@ -143,6 +143,8 @@ def _run(study, cases, work, options):
 
 def _keep(study, output):
     """Copies what the repository keeps beside the study."""
+    if output.resolve() == study.folder:
+        return
     for path in sorted(output.glob(f"{study.name}[.-]*")):
         if path.suffix in (".csv", ".md", ".png"):
             shutil.copyfile(path, study.folder / path.name)

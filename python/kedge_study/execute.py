@@ -132,11 +132,11 @@ class Pool:
                 and memory <= SHARE_OF_MEMORY * records.memory_of_machine())
 
     def _start(self, job):
-        job.folder.mkdir(parents=True, exist_ok=True)
         is_restart = bool(job.before) and any((job.folder / "output").rglob("restart.h5"))
         if not is_restart:
             job.before = None
-            shutil.rmtree(job.folder / "output", ignore_errors=True)
+            shutil.rmtree(job.folder, ignore_errors=True)
+        job.folder.mkdir(parents=True, exist_ok=True)
         if not self.study.command:
             write_input(self.study, job.case, job.folder)
         words = command_of(self.study, job.case, job.folder, is_restart)

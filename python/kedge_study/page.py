@@ -23,7 +23,7 @@ def write(study, parts, results, folder, work):
     for name, cases in parts.items():
         of_part = [results[case.key] for case in cases if case.key in results]
         if of_part:
-            path = folder / f"{study.name}-{name.replace(' ', '-')}"
+            path = folder / study.stem_of(name)
             charts = [("", path)] if draw(study, study.parts[name], of_part, path) else []
             charts += pictures.draw(study, name, of_part, folder, work)
             sections.append(_section(study, name, of_part, len(cases), charts))

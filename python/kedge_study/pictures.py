@@ -12,7 +12,7 @@ def draw(study, name, results, folder, work):
     part are there; otherwise the kept one stays."""
     found = []
     for index, (caption, text) in enumerate(study.parts[name].get("pictures", {}).items()):
-        file = f"{study.name}-{name.replace(' ', '-')}-{text.partition(':')[2].replace('_', '-')}"
+        file = f"{study.stem_of(name)}-{text.partition(':')[2].replace('_', '-')}"
         folders = [result.case.folder(work, records.version_of(result.case.program)) for result in results]
         if all((run / "output" / "summary.json").is_file() for run in folders):
             runs = [(result.case.names, Run(run / "output")) for result, run in zip(results, folders)]

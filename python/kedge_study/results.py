@@ -54,7 +54,8 @@ def of_runs(study, cases, work):
             found = answers.read(study, case, folder)
             results[case.key] = Result(
                 case, record.status, record.message, found["reached"], found["answers"],
-                {name: tuple(map(np.array, curve)) for name, curve in found["curves"].items() if curve},
+                {name: tuple(map(np.array, curve)) for name, curve in found["curves"].items()
+                 if curve and curve[0]},
                 found["costs"], record.cpu, record.wall, max(record.memory, found["costs"].get("peak memory") or 0.),
                 {name: getattr(record, name) for name in PROVENANCE}, found["notes"])
     return results

@@ -3,6 +3,7 @@ import copy
 import difflib
 import json
 import pathlib
+import re
 from dataclasses import dataclass, field
 
 import jsonschema
@@ -46,6 +47,10 @@ class Study:
     def name(self):
         """Name of the study's files: that of its own file without endings."""
         return self.path.name.split(".")[0]
+
+    def stem_of(self, part):
+        """Beginning of the names of a part's files."""
+        return f"{self.name}-{re.sub(r'[ /]', '-', part)}"
 
     @property
     def folder(self):
@@ -194,5 +199,7 @@ def _check_names(study):
                 require(chart["curve"], study.curves, "curve", place)
             if chart["kind"] in ("convergence", "over"):
                 require(chart.get("over", ""), study.parameters, "parameter", f"{place}.over")
+                if isinstance(study.parameters[chart["over"]]["default"], (str, list, dict)):
+                    raise StudyError(f"{study.path}: {place}.over: {chart['over']} is no number")
     for name in study.expect:
         require(name, study.answers, "answer", f"quick.expect.{name}")

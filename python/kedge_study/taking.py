@@ -69,7 +69,7 @@ def _period(x, y):
         return None
     mean = _mean(x, y)
     at = x[rises] + (mean - y[rises]) / (y[rises + 1] - y[rises]) * (x[rises + 1] - x[rises])
-    return (at[-1] - at[0]) / (len(at) - 1)
+    return abs(at[-1] - at[0]) / (len(at) - 1)
 
 
 _TAKERS = {"max": lambda x, y: y.max(), "min": lambda x, y: y.min(), "mean": _mean, "start": lambda x, y: y[0],

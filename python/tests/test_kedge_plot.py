@@ -55,6 +55,8 @@ class ResistanceCurve(TemporaryFolder):
     def test_stage_counts_from_the_end_of_the_one_before(self):
         columns = self.columns(**{"body1_position_x": np.array([0., 1., 2., 4.])})
         np.testing.assert_array_equal(resistance_curve(columns, stage=2).displacement, [1., 3.])
+        placed = resistance_curve(columns, stage=2, start=[1.5, 0., 0.])
+        np.testing.assert_array_equal(placed.displacement, [0.5, 2.5])
 
     def test_half_model_and_zero(self):
         columns = self.columns(**{"body1_position_x": np.arange(4.), "body1_reaction force_x": 5. + np.arange(4.)})

@@ -9,12 +9,6 @@ namespace
 /// In lengths of the smaller body's box: bodies that lie against each other do not overlap.
 constexpr double round_off = 1e-6;
 
-Eigen::AlignedBox3d box_of(const RigidSystems& systems, const WeldedSurface& welded)
-{
-  const auto bounds = world_bounds(systems, welded);
-  return {bounds[0], bounds[1]};
-}
-
 unsigned int system_of(const RigidSystems& systems, const WeldedSurface& welded)
 {
   const auto& first = systems.first_point;
@@ -43,12 +37,25 @@ bool holds_part(const RigidSystems& systems, const WeldedSurface& welded, const 
                      [&](const auto& t) { return is_inside((x[t[0]] + x[t[1]] + x[t[2]]) / 3.); });
 }
 
-bool overlap(const RigidSystems& systems, const WeldedSurface& a, const WeldedSurface& b, const unsigned int dim)
+std::vector<Eigen::AlignedBox3d> boxes_of(const RigidSystems& systems)
 {
-  const Eigen::AlignedBox3d box_a = box_of(systems, a), box_b = box_of(systems, b), common = box_a.intersection(box_b);
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const WeldedSurface& welded : systems.surfaces)
+  {
+    const auto bounds = world_bounds(systems, welded);
+    boxes.emplace_back(bounds[0], bounds[1]);
+  }
+  return boxes;
+}
+
+bool overlap(const RigidSystems& systems, const std::vector<Eigen::AlignedBox3d>& boxes, const unsigned int i,
+             const unsigned int j, const unsigned int dim)
+{
+  const Eigen::AlignedBox3d common = boxes[i].intersection(boxes[j]);
   if (common.isEmpty())
     return false;
-  const double tolerance = round_off * std::min(box_a.diagonal().norm(), box_b.diagonal().norm());
+  const WeldedSurface &a = systems.surfaces[i], &b = systems.surfaces[j];
+  const double tolerance = round_off * std::min(boxes[i].diagonal().norm(), boxes[j].diagonal().norm());
   return holds_part(systems, a, b, common, tolerance, dim) || holds_part(systems, b, a, common, tolerance, dim);
 }
 } // namespace
@@ -56,18 +63,21 @@ bool overlap(const RigidSystems& systems, const WeldedSurface& a, const WeldedSu
 PassageWatch::PassageWatch(const RigidSystems& systems, const unsigned int dim_) : dim(dim_)
 {
   const auto& surfaces = systems.surfaces;
+  const std::vector<Eigen::AlignedBox3d> boxes = boxes_of(systems);
   for (unsigned int i = 0; i < surfaces.size(); ++i)
     for (unsigned int j = i + 1; j < surfaces.size(); ++j)
-      if (system_of(systems, surfaces[i]) != system_of(systems, surfaces[j]) &&
-          !overlap(systems, surfaces[i], surfaces[j], dim))
+      if (system_of(systems, surfaces[i]) != system_of(systems, surfaces[j]) && !overlap(systems, boxes, i, j, dim))
         apart.emplace_back(i, j);
 }
 
 std::optional<std::pair<unsigned int, unsigned int>> PassageWatch::find(const RigidSystems& systems) const
 {
-  for (const auto& pair : apart)
-    if (overlap(systems, systems.surfaces[pair.first], systems.surfaces[pair.second], dim))
-      return pair;
+  if (apart.empty())
+    return std::nullopt;
+  const std::vector<Eigen::AlignedBox3d> boxes = boxes_of(systems);
+  for (const auto& [i, j] : apart)
+    if (overlap(systems, boxes, i, j, dim))
+      return std::make_pair(i, j);
   return std::nullopt;
 }
 } // namespace kedge

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/bodies/rigid_systems.h>
@@ -122,12 +123,12 @@ std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned
   return levers;
 }
 
-double farthest_from_points(const RigidSystems& systems)
+double farthest_from_points(const RigidSystems& systems, const unsigned int dim)
 {
   double farthest = 0.;
   for (const WeldedSurface& welded : systems.surfaces)
     for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
-      farthest = std::max(farthest, vertex.norm());
+      farthest = std::max(farthest, dim == 2 ? std::hypot(vertex[0], vertex[2]) : vertex.norm());
   return farthest;
 }
 

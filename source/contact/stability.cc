@@ -1,8 +1,7 @@
 // How stiff the contact springs are: what explicit stages need for their stable step.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cmath>
 #include <kedge/contact/contact.h>
-#include <limits>
 
 namespace kedge
 {
@@ -10,6 +9,26 @@ template <int dim> View<double*> Contact<dim>::point_stiffness() const
 {
   return kedge::point_stiffness(arrays_of_last_evaluation());
 }
+
+namespace
+{
+/// About any axis that the point may turn about, kg m2; 0 where it may not turn.
+double least_inertia(const RigidPoint& point)
+{
+  std::vector<unsigned int> axes;
+  for (unsigned int axis = 0; axis < 3; ++axis)
+    if (point.is_free(3 + axis))
+      axes.push_back(axis);
+  if (axes.empty())
+    return 0.;
+  const Eigen::Matrix3d inertia = point.world_inertia();
+  Eigen::MatrixXd block(axes.size(), axes.size());
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    for (std::size_t j = 0; j < axes.size(); ++j)
+      block(i, j) = inertia(axes[i], axes[j]);
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(block, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+} // namespace
 
 template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystems& bodies) const
 {
@@ -30,12 +49,8 @@ template <int dim> double Contact<dim>::largest_body_frequency(const RigidSystem
   {
     const RigidPoint& point = bodies.points[i];
     double sum = point.is_free(0) || point.is_free(1) || point.is_free(2) ? springs[i][0] / point.mass : 0.;
-    const Eigen::Vector3d about_axes = point.world_inertia().diagonal();
-    double least = std::numeric_limits<double>::infinity();
-    for (unsigned int axis = 0; axis < 3; ++axis)
-      if (point.is_free(3 + axis)) // about two axes it may turn as about one between them
-        least = std::isinf(least) ? about_axes[axis] : point.inertia.minCoeff();
-    sum += springs[i][1] / least;
+    if (const double least = least_inertia(point); least > 0.)
+      sum += springs[i][1] / least;
     largest = std::max(largest, sum);
   }
   return largest;

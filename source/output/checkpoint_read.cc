@@ -101,8 +101,9 @@ void require_same_input(const std::string& now, const std::string& then, const s
     throw InputError("restart",
                      fmt::format("{} belongs to an input with another value of {}", path,
                                  difference[0].at("path").get<std::string>()),
-                     "restart with the input of the first run; only \"output\", \"solver\", \"GPU\" and \"comment\" "
-                     "may differ, and the last stage may have a later \"final time\" (explicit: where \"basis step\" "
+                     "restart with the input of the first run; only \"output\", \"solver\", \"GPU\", \"comment\" "
+                     "and \"$schema\" may differ, and the last stage may have a later \"final time\" (explicit: where "
+                     "\"basis step\" "
                      "is a number) or "
                      "more \"load steps\" (with \"load\": \"full\" and no \"body force\")");
 }

@@ -192,8 +192,6 @@ void check_weight(const Stage& stage, const Input& input, const Place& systems)
         "give \"domain.gravity\" a direction, fix the bodies in every stage, or measure convergence by the forces "
         "(leave \"tolerance\" out)");
 }
-} // namespace
-
 /// The key may stand at "contact" and the adhesion at a surface, or the other way round.
 void check_tangential_limits(const Input& input, const Place& root)
 {
@@ -216,6 +214,8 @@ void check_tangential_limits(const Input& input, const Place& root)
   if (general.tangential_limit && !any_adhesion)
     fail(root.key("contact"));
 }
+
+} // namespace
 
 void check_consistency(const Input& input, const Place& root)
 {

@@ -232,6 +232,7 @@ template <int dim> NewtonReport Simulation<dim>::attempt_step(const Clock& clock
   {
     rethrow_if_alone("step");
     save_what_is_there(clock);
+    end_stage();
     throw;
   }
 }
@@ -244,7 +245,8 @@ template <int dim> void Simulation<dim>::prepare_step()
   adapt();
   log.warn_of_cut_domains(soil.particles().n_cut(), step_number);
   log.warn_of_no_soil(soil.particles().n_global(), step_number);
-  log.warn_of_passage(bodies, step_number);
+  if (stage->rigid_bodies)
+    log.warn_of_passage(bodies, step_number);
   step = make_step();
   replaces_soil = false;
 }

@@ -210,7 +210,8 @@ template <int dim> NewtonReport ImplicitStep<dim>::solve(const StepLoad& load_)
 
 /// With the measure of residuals: the nodal sums of the material points' weight and body force, of their sizes, so that
 /// opposite ones do not cancel. A body force may pass through zero or end: the larger of its values at both ends of the
-/// step counts, and in dynamic stages the measure is at least the force that would stop the soil within the stage.
+/// step counts. What "tolerance" measures by is, in dynamic stages, at least the force that would stop the soil within
+/// the stage.
 template <int dim> void ImplicitStep<dim>::find_body_force()
 {
   if (context.body_force == nullptr)

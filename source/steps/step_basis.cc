@@ -163,7 +163,7 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
   const auto scope = context.timings.measure("contact search");
   const RigidSystems& bodies = context.bodies;
   double reach = 0.;
-  const double lever = std::max(extent_of_surfaces(bodies, dim), farthest_from_points(bodies));
+  const double lever = std::max(extent_of_surfaces(bodies, dim), farthest_from_points(bodies, dim));
   for (const RigidPoint& point : bodies.points)
   {
     const bool moves_freely = point.n_free_dofs() > 0;

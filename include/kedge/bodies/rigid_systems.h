@@ -54,8 +54,8 @@ double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
 /// Half of the same for the surfaces of each point, m; 0 for points without one.
 std::vector<double> levers_of_points(const RigidSystems& systems, unsigned int dim);
 
-/// Largest distance of any surface from the rigid point that moves it, m.
-double farthest_from_points(const RigidSystems& systems);
+/// Largest distance of any surface from the rigid point that moves it, m; in plane strain within the plane.
+double farthest_from_points(const RigidSystems& systems, unsigned int dim);
 
 /// Farthest that any point of a surface goes in a requested step by what its rigid point is prescribed, m.
 double largest_prescribed_motion(const RigidSystems& systems);

@@ -38,8 +38,8 @@ unsigned int step_of_checkpoint(const std::string& path);
 /// may differ in their last digits.
 ///
 /// Throws FileError on all ranks if the file is damaged or has another version, and InputError if it belongs to another
-/// input or to other surfaces. Only "output", "solver", "GPU" and "comment" may differ and the names of STL files, and
-/// the last stage may end later if its steps stay the same. Collective.
+/// input or to other surfaces. Only "output", "solver", "GPU", "comment" and "$schema" may differ and the names of STL
+/// files, and the last stage may end later if its steps stay the same. Collective.
 template <int dim>
 RunProgress read_checkpoint(Soil<dim>& soil, RigidSystems& bodies, const std::string& input, const std::string& path);
 } // namespace kedge

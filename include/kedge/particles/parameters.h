@@ -32,7 +32,7 @@ struct Layer
 
 struct MaterialPointParameters
 {
-  double extra_capacity = 1.;                ///< storage hint, >= 1
+  double extra_capacity = 1.;                ///< of no effect
   double element_size = 0.;                  ///< base cell size, m
   unsigned int points_per_axis = 2;          ///< "number of material points per element 1"
   std::array<double, 2> plan_extent{{0, 0}}; ///< block from 0 to here in x and y (2-D: x only), m

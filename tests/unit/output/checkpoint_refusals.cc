@@ -86,6 +86,15 @@ TYPED_TEST(CheckpointRefusal, OtherOutputIsAccepted)
   EXPECT_NO_THROW(this->read(other));
 }
 
+TYPED_TEST(CheckpointRefusal, OtherCommentsAreAccepted)
+{
+  const auto with = [](const char* comment)
+  { return std::string(R"({"comment": ")") + comment + R"(", "analysis": [{"comment": ")" + comment + R"("}]})"; };
+  Interrupted<TypeParam::value>(MPI_COMM_WORLD).write(this->file, with("one"));
+  EXPECT_NO_THROW(this->read(with("two")));
+  EXPECT_NO_THROW(this->read(R"({"analysis": [{}]})"));
+}
+
 TYPED_TEST(CheckpointRefusal, TheLastStageMayEndLaterButNotEarlier)
 {
   const auto until = [](const char* first, const char* last)

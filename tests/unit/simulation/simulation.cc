@@ -29,6 +29,21 @@ std::size_t count_lines(const std::filesystem::path& file)
   const std::string text = input_files::contents(file);
   return std::count(text.begin(), text.end(), '\n');
 }
+
+/// Of a column of rigid_body.csv, in its last row.
+double last_value(const std::filesystem::path& folder, const std::string& column)
+{
+  std::istringstream text(input_files::contents(folder / "csv" / "rigid_body.csv"));
+  std::string names, row, name, value;
+  std::getline(text, names);
+  while (std::getline(text, value))
+    row = value;
+  std::istringstream all_names(names), values(row);
+  while (std::getline(all_names, name, ',') && std::getline(values, value, ','))
+    if (name == column)
+      return std::stod(value);
+  throw std::runtime_error("no column " + column);
+}
 } // namespace
 
 TEST(RunSimulation, MakesTheFolderOfItsSummaryWhereNothingElseIsWritten)
@@ -59,6 +74,32 @@ TEST(RunSimulation, SavesTheStateWhereAStageFailsInItsFirstStep)
   again.restart = Restart::yes;
   EXPECT_THROW(run_simulation(input, again), SolverError); // at the same place
   EXPECT_EQ(count_lines(files.path / "csv" / "rigid_body.csv"), 2u);
+}
+
+TEST(RunSimulation, KeepsBodiesWhereTheyAreInStagesWithoutThem)
+{
+  const std::string faces = R"("boundary conditions": {"min": ["roller", "roller", "roller"],
+    "max": ["roller", "roller", "free"]})";
+  for (const std::string stepping : {R"("type": "static", "load steps": 2, "load": "full")",
+                                     R"("type": "dynamic", "final time": 0.02, "dt": 0.01, "beta": 0.5, "gamma": 1)"})
+  {
+    const input_files::Folder files;
+    const std::string stage = "{" + stepping + R"(, "rigid bodies": "off", )" + faces + "}";
+    ASSERT_EQ(run_simulation(cube({"analysis=[" + stage + "]", "output.csv percent=0", "output.vtk=off"}),
+                             quietly_in(files.path)),
+              success);
+    EXPECT_EQ(last_value(files.path, "body1_position_z"), 1.3) << stepping; // though -0.01 a step is prescribed
+  }
+}
+
+TEST(RunSimulation, SavesTheStateWhereTheInputFailsInTheMiddle)
+{
+  const input_files::Folder files;
+  const Input input = cube({"analysis.0.load steps=4", R"#(domain.body force={"expression": ["sqrt(0.6-t)", 0, 0]})#",
+                            "output.csv percent=0", "output.vtk=off"});
+  EXPECT_THROW(run_simulation(input, quietly_in(files.path)), InputError);
+  EXPECT_EQ(count_lines(files.path / "csv" / "rigid_body.csv"), 3u); // names and two steps
+  EXPECT_TRUE(std::filesystem::exists(files.path / "checkpoints" / "restart.h5"));
 }
 
 TEST(RunSimulation, SaysWhatARestartWithoutItsFileLacks)
