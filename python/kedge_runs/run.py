@@ -67,7 +67,7 @@ class Run:
         """Position of a body at the start of a stage, after it was placed there, m; None where the summary does not
         say."""
         stages = self.summary.get("stages") or []
-        points = stages[stage - 1].get("rigid points at start", []) if stage <= len(stages) else []
+        points = stages[stage - 1].get("rigid points at start", []) if 0 < stage <= len(stages) else []
         return points[body - 1] if 0 < body <= len(points) else None
 
     def bodies(self):

@@ -83,7 +83,7 @@ double corner_angle(const Point& a, const Point& b, const Point& c, const double
   return std::atan2(sense * turn(a, b, c), along);
 }
 
-void check_outline(const std::vector<Point>& outline, const std::string& json_path)
+void check_points(const std::vector<Point>& outline, const std::string& json_path)
 {
   const std::size_t n = outline.size();
   if (n < 3)
@@ -99,6 +99,12 @@ void check_outline(const std::vector<Point>& outline, const std::string& json_pa
       throw InputError(json_path, "the outline repeats the point " + text_of(a),
                        "remove one; the outline closes by itself");
   }
+}
+
+void check_outline(const std::vector<Point>& outline, const std::string& json_path)
+{
+  check_points(outline, json_path);
+  const std::size_t n = outline.size();
   if (const auto touching = find_touching_sides(outline))
   {
     const auto [i, j] = *touching;
@@ -130,6 +136,7 @@ std::vector<Point> round_outline(const std::vector<Point>& outline, const double
 {
   if (radius == 0.)
     return outline;
+  check_points(outline, json_path); // a corner that is given twice turns by no angle
   const std::size_t n = outline.size();
   const double sense = std::copysign(1., twice_area(outline));
   std::vector<double> angles(n); // of the arcs, rad; 0 at corners that stay

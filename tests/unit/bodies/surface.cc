@@ -345,6 +345,7 @@ TEST(Outline, ArcsMayUseUpWholeSides)
   for (const auto& x : rounded)
     EXPECT_NEAR(std::hypot(x[0] - 1., x[1] - 1.), 1., 1e-14);
   EXPECT_EQ(round_outline({{0., 0.}, {1., 0.}, {0., 1.}}, 0., "outline").size(), 3u);
+  EXPECT_THROW(round_outline({{0., 0.}, {1., 0.}, {0., 1.}, {0., 0.}}, 0.1, "outline"), InputError);
 }
 
 TEST(Outline, SidesTooShortForTheirArcsAreRefused)
