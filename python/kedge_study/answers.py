@@ -14,7 +14,7 @@ from kedge_runs import RunError
 from kedge_runs.run import Run
 
 from . import StudyError
-from .expressions import evaluate
+from .expressions import evaluate, plain
 from .study import BODY_COLUMNS
 from .taking import take
 
@@ -120,7 +120,7 @@ def _table(name, run):
     if name == "bodies":
         return run.bodies()
     if name == "points":
-        return {_plain(key): run.points(key) for key in run.point_columns()}
+        return {plain(key): run.points(key) for key in run.point_columns()}
     path = run.folder / name
     try:
         with open(path, newline="", encoding="utf-8") as file:
@@ -129,12 +129,7 @@ def _table(name, run):
         raise RunError(f"{path}: cannot be read ({error.strerror})") from error
     if not rows:
         raise RunError(f"{path}: holds no rows")
-    return {_plain(key): _numbers([row[key] for row in rows]) for key in rows[0]}
-
-
-def _plain(name):
-    """A column's name as expressions have it."""
-    return re.sub(r"^(?=\d)", "_", re.sub(r"[^A-Za-z0-9_]", "_", name))
+    return {plain(key): _numbers([row[key] for row in rows]) for key in rows[0]}
 
 
 def _numbers(texts):
@@ -169,7 +164,7 @@ def _displacement(columns, run, body, axis, stage):
 def _answer(study, name, run, names, curves, answers, notes):
     """A number; None where the run does not hold it. Adds to `notes` why a curve has none."""
     answer, where = study.answers[name], f"{study.path}: answers.{name}"
-    known = names | {_plain(key): np.float64(np.nan if value is None else value) for key, value in answers.items()}
+    known = names | {plain(key): np.float64(np.nan if value is None else value) for key, value in answers.items()}
     if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
         return None
     try:

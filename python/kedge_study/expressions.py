@@ -2,6 +2,7 @@
 import ast
 import difflib
 import functools
+import re
 
 import numpy as np
 
@@ -67,6 +68,11 @@ def _compiled(expression, where):
         if isinstance(node, ast.Call) and not (isinstance(node.func, ast.Name) and not node.keywords):
             raise StudyError(f"{where}: \"{expression}\": only named functions without keywords can be called")
     return compile(tree, where, "eval"), [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
+
+
+def plain(name):
+    """The name of a column or an answer as expressions have it."""
+    return re.sub(r"^(?=\d)", "_", re.sub(r"[^A-Za-z0-9_]", "_", name))
 
 
 def names_in(expression, where):

@@ -1,7 +1,7 @@
 """Evaluates the expressions of a study on made-up numbers, so that a misspelt name ends it before its runs do."""
 import numpy as np
 
-from .expressions import evaluate
+from .expressions import evaluate, plain
 from .study import BODY_COLUMNS
 
 ROWS = np.array([1., 2., 3.])
@@ -11,7 +11,7 @@ def rehearse(study, case):
     """Raises StudyError for the first expression that cannot be evaluated for a case. Columns of other tables than
     rigid_body.csv are known only after a run, so their expressions are left out."""
     where = str(study.path)
-    known = case.names | {name.replace(" ", "_"): np.float64(1.) for name in study.answers}
+    known = case.names | {plain(name): np.float64(1.) for name in study.answers}
     columns = {name: ROWS for name in (*study.columns, *BODY_COLUMNS)}
     with np.errstate(all="ignore"):
         for name, curve in study.curves.items():

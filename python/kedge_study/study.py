@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import jsonschema
 
 from . import StudyError
-from .expressions import names_in
+from .expressions import names_in, plain
 
 SCHEMA = pathlib.Path(__file__).with_name("study.schema.json")
 BODY_COLUMNS = ("time", "step", "stage")  # of rigid_body.csv, known by these names
@@ -140,7 +140,7 @@ def _check_meanings(study):
     """No name means two things in an expression."""
     declared = {}
     groups = {"constants": study.constants, "parameters": study.parameters, "derived": study.derived,
-              "columns": study.columns, "answers": [name.replace(" ", "_") for name in study.answers]}
+              "columns": study.columns, "answers": [plain(name) for name in study.answers]}
     for group, names in groups.items():
         for name in names:
             if name in declared and (declared[name], group) != ("columns", "answers"):  # these two never meet
