@@ -22,6 +22,7 @@ SUMMED = ("steps", "cuts", "newton iterations", "krylov iterations", "time steps
 COSTS = ("steps", "cuts", "newton iterations", "krylov iterations", "material points", "dofs")
 CODE = [pathlib.Path(__file__), pathlib.Path(__file__).with_name("taking.py")]
 N_KEPT = 400  # points of a curve that a chart needs
+DISPLACEMENT = re.compile(r"body(\d+)_displacement_([xyz])")  # a column made of the position
 
 
 class _Folder:
@@ -142,16 +143,21 @@ def _numbers(texts):
 def _bound(study, columns, run, curve):
     """The columns that the study names, and time, step and stage."""
     result = {name: columns[name] for name in BODY_COLUMNS if name in columns}
+    check_columns(study, columns)
     for name, column in study.columns.items():
-        found = re.fullmatch(r"body(\d+)_displacement_([xyz])", column)
-        if found and column.replace("displacement", "position") in columns:
-            result[name] = _displacement(columns, run, int(found[1]), found[2], curve.get("stage", 1))
-        elif column not in columns:
-            raise StudyError(f"{study.path}: columns.{name}: rigid_body.csv has no column \"{column}\"; it has "
-                             f"{', '.join(columns)}")
-        else:
-            result[name] = columns[column]
+        found = DISPLACEMENT.fullmatch(column)
+        result[name] = (_displacement(columns, run, int(found[1]), found[2], curve.get("stage", 1)) if found
+                        else columns[column])
     return result
+
+
+def check_columns(study, known):
+    """Raises StudyError where a study names a column that rigid_body.csv does not have."""
+    for name, column in study.columns.items():
+        found = DISPLACEMENT.fullmatch(column)
+        if (f"body{found[1]}_position_{found[2]}" if found else column) not in known:
+            raise StudyError(f"{study.path}: columns.{name}: rigid_body.csv has no column \"{column}\"; it has "
+                             f"{', '.join(known)}")
 
 
 def _displacement(columns, run, body, axis, stage):

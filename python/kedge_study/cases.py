@@ -36,7 +36,7 @@ class Case:
 
     def folder(self, work, version):
         """Folder of the run by one version of the program."""
-        key = hashlib.sha256(f"{self.input} {version}".encode()).hexdigest()[:8]
+        key = hashlib.sha256(f"{self.input} {version}{self.name[60:]}".encode()).hexdigest()[:8]
         return work / f"{self.name[:60]}-{key}"
 
 
@@ -62,9 +62,14 @@ def _whole(value):
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
+def default_values(study, part):
+    """Values of all parameters where a part changes none."""
+    return {name: parameter["default"] for name, parameter in study.parameters.items()} | part.get("fixed", {})
+
+
 def _combinations(study, part):
     """Values of all parameters for each run of a part."""
-    default = {name: parameter["default"] for name, parameter in study.parameters.items()} | part.get("fixed", {})
+    default = default_values(study, part)
     if "grid" in part:
         for values in itertools.product(*part["grid"].values()):
             yield default | dict(zip(part["grid"], values))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from kedge_runs.program import ENVIRONMENT
 
 from . import StudyError, records
+from .answers import check_columns
 from .inputs import command_of, write_input
 from .progress import Progress
 from .records import Record
@@ -33,6 +34,7 @@ class Job:
     started: float = 0.
     before: object = None  # record of an interrupted run that goes on
     is_over_limit: bool = False  # told to end because it has used its CPU time
+    is_told: bool = False  # to end because the study is interrupted
 
     @property
     def seconds(self):
@@ -70,9 +72,12 @@ def estimate(study, jobs, n_at_once):
         if result.returncode == 2 and "--json" not in result.stderr:
             raise StudyError(f"{study.path}: {job.case.name}: {result.stderr.strip()}")
         try:
-            stages = json.loads(result.stdout)["stages"]
+            said = json.loads(result.stdout)
+            stages = said["stages"]
         except (ValueError, KeyError):
             return  # an older program
+        if "columns" in said:
+            check_columns(study, said["columns"])
         job.estimate = {"time": sum(stage["time"] for stage in stages),
                         "memory": max(stage["memory"] for stage in stages)}
 
@@ -142,13 +147,15 @@ class Pool:
         words = command_of(self.study, job.case, job.folder, is_restart)
         job.log = open(job.folder / "log", "a" if is_restart else "w", encoding="utf-8")
         job.started = time.time()
+        self.running.append(job)  # before it starts: an interruption meanwhile does not miss it
         try:
             job.process = subprocess.Popen(words, stdout=job.log, stderr=job.log, cwd=job.folder,
                                            start_new_session=True, env=ENVIRONMENT)
         except OSError as error:
             raise StudyError(f"{words[0]}: cannot be started ({error.strerror})") from error
         self._record(job, "interrupted", "").write(job.folder)  # holds if this program is killed
-        self.running.append(job)
+        if self.interrupted:
+            self._terminate()
 
     def _ended(self, job):
         """The record of a job that has ended; None while it runs."""
@@ -189,6 +196,9 @@ class Pool:
     def _terminate(self):
         """Asks all runs to end; they write restart files first."""
         for job in self.running:
+            if not job.process or job.is_told:
+                continue
+            job.is_told = True
             try:
                 os.killpg(job.process.pid, signal.SIGTERM)
             except ProcessLookupError:

@@ -3,7 +3,7 @@ import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from . import convergence as orders
-from .cases import described, label, varied
+from .cases import default_values, described, label, varied
 from .expressions import evaluate
 
 MOST_INSIDE = 8  # entries of a legend inside the axes
@@ -217,9 +217,11 @@ def over(axes, study, part, chart, results):
 def changes(axes, study, part, chart, results):
     """Bars: by how much each single change changes the answer."""
     answer, cases = main_answer(study, chart), [result.case for result in results]
-    base, *others = results
-    start = base.answers.get(answer)
-    texts = [label_of_change(study, base.case, other.case) or label(study, other.case, cases) for other in others]
+    default = default_values(study, part) if "one at a time" in part else cases[0].values
+    base = next((result for result in results if result.case.values == default), None)  # missing over a budget
+    others = [result for result in results if result is not base]
+    start = base.answers.get(answer) if base else None
+    texts = [label_of_change(study, default, other.case) or label(study, other.case, cases) for other in others]
     for row, other in enumerate(others):
         value = other.answers.get(answer)
         if value is None or not start:
@@ -236,10 +238,10 @@ def changes(axes, study, part, chart, results):
 
 
 def label_of_change(study, base, other):
-    """What differs between two cases."""
+    """What differs between the values of a case and others."""
     parts = []
     for name, value in other.values.items():
-        if value != base.values[name]:
+        if value != base[name]:
             head, unit = study.head_and_unit(name)
             parts.append(f"{head} {study.text(name, value)} {unit}".strip())
     return ", ".join(parts)

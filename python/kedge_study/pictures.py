@@ -13,6 +13,8 @@ def draw(study, name, results, folder, work):
     found = []
     for index, (caption, text) in enumerate(study.parts[name].get("pictures", {}).items()):
         file = f"{study.stem_of(name)}-{text.partition(':')[2].replace('_', '-')}"
+        if any(path.name == file for _, path in found):  # of a function with the same name
+            file += f"-{index + 1}"
         folders = [result.case.folder(work, records.version_of(result.case.program)) for result in results]
         if all((run / "output" / "summary.json").is_file() for run in folders):
             runs = [(result.case.names, Run(run / "output")) for result, run in zip(results, folders)]

@@ -17,11 +17,14 @@ import unittest
 PYTHON = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(PYTHON))
 
-from kedge_study import StudyError  # noqa: E402  (found only after the line above)
+import matplotlib.pyplot as plt  # noqa: E402  (found only after the line above)
+
+from kedge_study import StudyError, panels  # noqa: E402
 from kedge_study.cases import cases_of, label  # noqa: E402
 from kedge_study.command import main  # noqa: E402
 from kedge_study.inputs import replace  # noqa: E402
 from kedge_study.records import version_of  # noqa: E402
+from kedge_study.results import of_runs  # noqa: E402
 from kedge_study.study import load  # noqa: E402
 
 # A program that answers force = 10 + h^2 at u = 0 to 1; "fail": it stops half way with exit code 3.
@@ -35,7 +38,8 @@ if scene.get("bad"):
     print("kedge: bad: unknown key", file=sys.stderr)
     sys.exit(2)
 if sys.argv[1] == "check":
-    print(json.dumps({"stages": [{"time": scene["time"], "memory": scene["memory"]}]}))
+    print(json.dumps({"stages": [{"time": scene["time"], "memory": scene["memory"]}],
+                      "columns": ["time", "body1_position_x", "body1_reaction force_x", "stage", "step"]}))
     sys.exit()
 folder = pathlib.Path(sys.argv[sys.argv.index("--output") + 1])
 (folder / "csv").mkdir(parents=True)
@@ -131,6 +135,15 @@ class File(StudyCase):
                 self.assertEqual(code, 2, text)
                 self.assertIn(message, text)
 
+    def test_columns_that_runs_will_lack_are_refused_before_any_run(self):
+        for column in ("body1_reaction force_y", "body2_displacement_x"):
+            with self.subTest(column):
+                self.write(columns={"u": "body1_displacement_x", "F": column})
+                code, text = self.study()
+                self.assertEqual(code, 2, text)
+                self.assertIn(f"rigid_body.csv has no column \"{column}\"; it has time, body1_position_x", text)
+                self.assertFalse(list(self.folder.glob("out/runs/*/output")))
+
     def test_paths_that_the_scene_lacks_are_refused(self):
         scene = {"a": [{"b": 1}]}
         replace(scene, "a.0.c", 2, "x")
@@ -155,6 +168,14 @@ class Cases(StudyCase):
         self.assertIs(parts["cells"][1], parts["choices"][2])
         self.assertEqual(label(load(self.path), parts["cells"][1], parts["cells"]), "cell size 0.5 m")
         self.assertEqual(parts["cells"][1].settings, [("h", 0.5), ("fail", False), ("list.0.deep", [2])])
+
+    def test_long_names_of_equal_runs_have_folders_of_their_own(self):
+        label_ = "x" * 70  # of a parameter that no setting uses
+        self.write(parameters=STUDY["parameters"] | {label_: {"default": 0}},
+                   parts={"a": {"grid": {label_: [1, 2]}}})
+        one, two = cases_of(load(self.path), self.folder / "kedge")["a"]
+        self.assertEqual(one.input, two.input)
+        self.assertNotEqual(one.folder(self.folder, "1"), two.folder(self.folder, "1"))
 
     def test_hash_knows_all_but_comments(self):
         def first():
@@ -259,6 +280,28 @@ class Runs(StudyCase):
         self.write(parts={"a": part("size < 2")})
         code, text = self.study()
         self.assertEqual((code, "charts[0].only" in text), (2, True), text)
+
+    def test_changes_are_of_the_default_or_of_nothing(self):
+        self.study("--parts", "choices")
+        study = load(self.path)
+        cases = cases_of(study, self.folder / "kedge")["choices"]
+        results = list(of_runs(study, cases, self.folder / "out" / "runs").values())
+        for shown, label_ in ((results, "% of 11"), (results[1:], "% of none")):
+            axes = plt.figure().subplots()
+            panels.changes(axes, study, study.parts["choices"], {"kind": "changes", "answer": "F"}, shown)
+            self.assertIn(label_, axes.get_xlabel())
+            self.assertEqual([text.get_text() for text in axes.get_yticklabels()], ["fail True", "cell size 0.5 m"])
+            plt.close(axes.figure)
+
+    def test_pictures_of_equal_names_do_not_overwrite_each_other(self):
+        for file in ("one", "two"):
+            (self.folder / f"{file}.py").write_text(
+                f"def draw(runs, path):\n    path.write_text('{file}')\n", encoding="utf-8")
+        self.write(parts={"cells": {"grid": {"h": [1, 0.5]}, "pictures": {"A": "one.py:draw", "B": "two.py:draw"}}})
+        code, text = self.study()
+        self.assertEqual(code, 0, text)
+        drawn = sorted(self.folder.glob("out/*draw*.png"))
+        self.assertEqual([path.read_text(encoding="utf-8") for path in drawn], ["two", "one"])
 
     def test_quick_form_expects(self):
         self.assertEqual(self.study("--quick")[0], 0)

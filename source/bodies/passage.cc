@@ -9,12 +9,6 @@ namespace
 /// In lengths of the smaller body's box: bodies that lie against each other do not overlap.
 constexpr double round_off = 1e-6;
 
-unsigned int system_of(const RigidSystems& systems, const WeldedSurface& welded)
-{
-  const auto& first = systems.first_point;
-  return std::upper_bound(first.begin(), first.end(), welded.point) - first.begin();
-}
-
 /// Whether a vertex or the middle of a triangle of `other` that `box` holds lies inside `welded`.
 bool holds_part(const RigidSystems& systems, const WeldedSurface& welded, const WeldedSurface& other,
                 const Eigen::AlignedBox3d& box, const double tolerance, const unsigned int dim)
@@ -66,7 +60,8 @@ PassageWatch::PassageWatch(const RigidSystems& systems, const unsigned int dim_)
   const std::vector<Eigen::AlignedBox3d> boxes = boxes_of(systems);
   for (unsigned int i = 0; i < surfaces.size(); ++i)
     for (unsigned int j = i + 1; j < surfaces.size(); ++j)
-      if (system_of(systems, surfaces[i]) != system_of(systems, surfaces[j]) && !overlap(systems, boxes, i, j, dim))
+      if (system_of(systems, surfaces[i].point) != system_of(systems, surfaces[j].point) &&
+          !overlap(systems, boxes, i, j, dim))
         apart.emplace_back(i, j);
 }
 

@@ -47,10 +47,10 @@ Correction correction(const RigidBalance& balance)
 /// Name of a dof, with point and system numbered as in the input.
 std::string name_of(const RigidSystems& systems, const FreeDof& free)
 {
-  const auto& first = systems.first_point;
-  const auto next = std::upper_bound(first.begin(), first.end(), free.point);
+  const unsigned int system = system_of(systems, free.point);
   const char* const names[] = {"along x", "along y", "along z", "about x", "about y", "about z"};
-  return fmt::format("point {} of system {}, {}", free.point - *(next - 1) + 1, next - first.begin(), names[free.dof]);
+  return fmt::format("point {} of system {}, {}", free.point - systems.first_point[system] + 1, system + 1,
+                     names[free.dof]);
 }
 } // namespace
 

@@ -107,11 +107,6 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
   return box;
 }
 
-double extent_of_surfaces(const RigidSystems& systems, const unsigned int dim)
-{
-  return diagonal_of(world_bounds(systems), dim);
-}
-
 std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned int dim)
 {
   std::vector<std::array<Eigen::Vector3d, 2>> boxes(systems.points.size(), nothing);
@@ -123,28 +118,65 @@ std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned
   return levers;
 }
 
-double farthest_from_points(const RigidSystems& systems, const unsigned int dim)
+std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, const unsigned int dim)
 {
-  double farthest = 0.;
+  std::vector<SystemSize> sizes(systems.first_point.size());
+  std::vector<std::array<Eigen::Vector3d, 2>> boxes(sizes.size(), nothing);
+  const std::vector<double> levers = levers_of_points(systems, dim);
+  for (std::size_t i = 0; i < systems.points.size(); ++i)
+    if (systems.points[i].n_free_dofs() > 0)
+    {
+      SystemSize& size = sizes[system_of(systems, i)];
+      const RigidPoint& point = systems.points[i];
+      size.free_mass += point.mass;
+      const double gyration =
+          point.mass > 0. ? std::sqrt(point.world_inertia().diagonal().maxCoeff() / point.mass) : 0.;
+      size.lever = std::max(size.lever, levers[i] > 0. ? levers[i] : gyration);
+    }
   for (const WeldedSurface& welded : systems.surfaces)
+  {
+    const unsigned int system = system_of(systems, welded.point);
+    include(boxes[system], world_bounds(systems, welded));
+    double& farthest = sizes[system].farthest;
     for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
       farthest = std::max(farthest, dim == 2 ? std::hypot(vertex[0], vertex[2]) : vertex.norm());
+  }
+  for (std::size_t s = 0; s < sizes.size(); ++s)
+    sizes[s].extent = diagonal_of(boxes[s], dim);
+  return sizes;
+}
+
+unsigned int system_of(const RigidSystems& systems, const unsigned int point)
+{
+  const auto& first = systems.first_point;
+  return std::upper_bound(first.begin(), first.end(), point) - first.begin() - 1;
+}
+
+std::vector<double> farthest_apart(const RigidSystems& systems, const std::vector<Vector6>& increments,
+                                   const std::vector<Vector6>& others)
+{
+  std::vector<double> farthest(systems.points.size(), 0.);
+  for (const WeldedSurface& welded : systems.surfaces)
+  {
+    const unsigned int i = welded.point;
+    if (increments[i] == others[i])
+      continue;
+    const Pose one = systems.points[i].pose.moved(increments[i]), other = systems.points[i].pose.moved(others[i]);
+    for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
+      farthest[i] = std::max(farthest[i], (one.to_world(vertex) - other.to_world(vertex)).norm());
+  }
   return farthest;
 }
 
 double largest_prescribed_motion(const RigidSystems& systems)
 {
+  std::vector<Vector6> increments;
+  for (const RigidPoint& point : systems.points)
+    increments.push_back(point.prescribed_increment(1.));
+  const std::vector<Vector6> rest(systems.points.size(), Vector6::Zero());
   double largest = 0.;
-  for (const WeldedSurface& welded : systems.surfaces)
-  {
-    const RigidPoint& point = systems.points[welded.point];
-    const Vector6 increment = point.prescribed_increment(1.);
-    if (increment.isZero(0.))
-      continue;
-    const Pose end = point.pose.moved(increment);
-    for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
-      largest = std::max(largest, (end.to_world(vertex) - point.pose.to_world(vertex)).norm());
-  }
+  for (const double motion : farthest_apart(systems, increments, rest))
+    largest = std::max(largest, motion);
   return largest;
 }
 

@@ -172,7 +172,7 @@ ClosestPoint Surface::closest_point(const Eigen::Vector3d& x) const
     const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(nan);
     return {nan, x, nowhere, Feature::face, Eigen::Vector3d::Zero(), 0, nowhere};
   }
-  return view.describe(x, nearest);
+  return view.describe_all(x, nearest);
 }
 
 std::optional<ClosestPoint> Surface::closest_point_within(const Eigen::Vector3d& x, double distance) const

@@ -86,6 +86,67 @@ void add(ReferenceMemory& sum, const double factor, const ReferenceMemory& memor
   sum.approach.least += factor * memory.approach.least;
   sum.approach.beside_edges += factor * memory.approach.beside_edges;
 }
+/// What a parent's corners know of a surface: null where nothing.
+template <int dim> using KnownCorners = std::array<const ContactHistory*, 1u << dim>;
+
+/// What children's corners begin with at the places where they may lie.
+template <int dim> struct Places
+{
+  std::array<bool, n_places<dim>> bonded{}, presses{};
+  std::array<std::optional<ContactHistory>, n_places<dim>> state; ///< all but forces; empty: of nothing
+};
+
+/// gap: at the places. farthest: gap up to which corners may press.
+template <int dim>
+Places<dim> find_places(const KnownCorners<dim>& parent, const std::array<double, n_places<dim>>& gap,
+                        const double farthest)
+{
+  constexpr unsigned int n = 1u << dim;
+  Places<dim> places;
+  for (unsigned int place = 0; place < n_places<dim>; ++place)
+  {
+    double known_share = 0., bonded_share = 0., reference_gap = 0.;
+    ReferenceMemory memory;
+    unsigned int n_contributing = 0;
+    for (std::uint32_t from = 0; from < n; ++from)
+    {
+      const double share = share_of_corner<dim>(from, place);
+      if (parent[from] == nullptr || share == 0.)
+        continue;
+      ++n_contributing;
+      known_share += share;
+      bonded_share += parent[from]->bonded ? share : 0.;
+      reference_gap += share * parent[from]->reference_gap;
+      add(memory, share, parent[from]->memory);
+    }
+    // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
+    const bool is_bonded = bonded_share == 1. && n_contributing < n;
+    const bool presses = gap[place] <= farthest && known_share > 0.;
+    places.bonded[place] = is_bonded;
+    places.presses[place] = presses;
+    if (known_share == 0. && !(gap[place] < 0.))
+      continue;
+    ContactHistory& state = places.state[place].emplace();
+    state.bonded = is_bonded;
+    if (is_bonded || presses)
+    {
+      state.reference_gap = reference_gap / known_share;
+      add(state.memory, 1. / known_share, memory);
+    }
+    else // pushes no sooner than at the surface, nor at once
+      state.reference_gap = std::min(0., gap[place]);
+  }
+  return places;
+}
+
+/// Calls visit(octant, corner, place) for all corners of all children.
+template <int dim, typename Visit> void for_each_corner(const Split<dim>& split, const Visit& visit)
+{
+  constexpr unsigned int n = 1u << dim;
+  for (unsigned int octant = 0; octant < n; ++octant)
+    for (std::uint32_t corner = 0; corner < n && split.has_child(octant); ++corner)
+      visit(octant, corner, place_of<dim>(split, octant, corner));
+}
 } // namespace
 
 template <int dim> void Contact<dim>::inherit(const std::vector<Split<dim>>& splits, const RigidSystems& bodies)
@@ -126,7 +187,7 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   const WeldedSurface& welded = bodies.surfaces[surface];
   const std::array<double, n_places<dim>> gap =
       gaps_at_places<dim>(split, welded.surface, bodies.points[welded.point].pose, known);
-  std::array<const ContactHistory*, n> parent;
+  KnownCorners<dim> parent;
   double farthest = -std::numeric_limits<double>::infinity(); // gap of the parent's corners that press
   for (std::uint32_t from = 0; from < n; ++from)
   {
@@ -137,70 +198,35 @@ void Contact<dim>::inherit(const Split<dim>& split, const std::uint32_t surface,
   }
   farthest += same_gap * split.half_width[0];
 
-  std::array<bool, n_places<dim>> bonded, presses;
-  std::array<std::optional<ContactHistory>, n_places<dim>> at_place; // all but forces
-  for (unsigned int place = 0; place < n_places<dim>; ++place)
-  {
-    double known_share = 0., bonded_share = 0., reference_gap = 0.;
-    ReferenceMemory memory;
-    unsigned int n_contributing = 0;
-    for (std::uint32_t from = 0; from < n; ++from)
-    {
-      const double share = share_of_corner<dim>(from, place);
-      if (parent[from] == nullptr || share == 0.)
-        continue;
-      ++n_contributing;
-      known_share += share;
-      bonded_share += parent[from]->bonded ? share : 0.;
-      reference_gap += share * parent[from]->reference_gap;
-      add(memory, share, parent[from]->memory);
-    }
-    // what lies off the bonded corners' common edge or face, as the parent's centre always does, is not bonded
-    bonded[place] = bonded_share == 1. && n_contributing < n;
-    presses[place] = gap[place] <= farthest;
-    presses[place] = presses[place] && known_share > 0.;
-    if (known_share == 0. && !(gap[place] < 0.))
-      continue;
-    ContactHistory& state = at_place[place].emplace();
-    state.bonded = bonded[place];
-    if (state.bonded || presses[place])
-    {
-      state.reference_gap = reference_gap / known_share;
-      add(state.memory, 1. / known_share, memory);
-    }
-    else // pushes no sooner than at the surface, nor at once
-      state.reference_gap = std::min(0., gap[place]);
-  }
-
-  // what each of the parent's corners hands to all corners of the children at a place
-  std::array<double, n> sum{};
+  const Places<dim> places = find_places<dim>(parent, gap, farthest);
   const auto carries = [&](const std::uint32_t from, const unsigned int place)
-  { return parent[from] != nullptr && (parent[from]->bonded ? bonded[place] : presses[place]); };
-  for (unsigned int octant = 0; octant < n; ++octant)
-    for (std::uint32_t corner = 0; corner < n && split.has_child(octant); ++corner)
-      for (std::uint32_t from = 0; from < n; ++from)
-        if (const unsigned int place = place_of<dim>(split, octant, corner); carries(from, place))
-          sum[from] += share_of_corner<dim>(from, place);
-
-  for (unsigned int octant = 0; octant < n; ++octant)
-    for (std::uint32_t corner = 0; corner < n && split.has_child(octant); ++corner)
-    {
-      const unsigned int place = place_of<dim>(split, octant, corner);
-      if (!at_place[place])
-        continue;
-      ContactHistory inherited = *at_place[place];
-      for (std::uint32_t from = 0; from < n; ++from)
-        if (carries(from, place) && sum[from] > 0.)
-        {
-          const double share = share_of_corner<dim>(from, place) / sum[from];
-          inherited.pressure += share * parent[from]->pressure;
-          inherited.multiplier += share * parent[from]->multiplier;
-          inherited.tangential += share * parent[from]->tangential;
-        }
-      if (inherited.pressure != 0.) // of corners that press and others that have opened
-        inherited.memory.opening = 0.;
-      history[{split.children[octant], corner, surface}] = inherited;
-    }
+  { return parent[from] != nullptr && (parent[from]->bonded ? places.bonded[place] : places.presses[place]); };
+  std::array<double, n> sum{}; // what each of the parent's corners hands to all corners of the children
+  for_each_corner(split,
+                  [&](unsigned int, std::uint32_t, const unsigned int place)
+                  {
+                    for (std::uint32_t from = 0; from < n; ++from)
+                      if (carries(from, place))
+                        sum[from] += share_of_corner<dim>(from, place);
+                  });
+  for_each_corner(split,
+                  [&](const unsigned int octant, const std::uint32_t corner, const unsigned int place)
+                  {
+                    if (!places.state[place])
+                      return;
+                    ContactHistory inherited = *places.state[place];
+                    for (std::uint32_t from = 0; from < n; ++from)
+                      if (carries(from, place) && sum[from] > 0.)
+                      {
+                        const double share = share_of_corner<dim>(from, place) / sum[from];
+                        inherited.pressure += share * parent[from]->pressure;
+                        inherited.multiplier += share * parent[from]->multiplier;
+                        inherited.tangential += share * parent[from]->tangential;
+                      }
+                    if (inherited.pressure != 0.) // of corners that press and others that have opened
+                      inherited.memory.opening = 0.;
+                    history[{split.children[octant], corner, surface}] = inherited;
+                  });
 }
 
 template void Contact<2>::inherit(const std::vector<Split<2>>&, const RigidSystems&);

@@ -27,30 +27,101 @@ constexpr double farthest_reference = 0.25;
 /// The same for corners off the surface that are not bonded and have not carried from farther off.
 constexpr double hardly_off = 0.02;
 
+std::vector<InterfaceParameters> interfaces_of(const RigidSystems& bodies, const ContactParameters& parameters)
+{
+  std::vector<InterfaceParameters> interfaces;
+  for (const WeldedSurface& welded : bodies.surfaces)
+    interfaces.push_back(welded.interface.or_else(parameters.interface));
+  return interfaces;
+}
+
+/// What a corner stands for on a face of its particle, m2 (2-D: m).
+template <int dim> double corner_area(const double size) { return dim == 3 ? 0.25 * size * size : 0.5 * size; }
+
 /// Springs and limits of a corner that stands for its share of a face of its particle (size: m, young: Pa).
 template <int dim>
 ContactStiffness make_stiffness(const ContactParameters& parameters, const InterfaceParameters& interface,
                                 const double size, const double young)
 {
-  const double area = dim == 3 ? size * size : size;
-  const double corner_share = dim == 3 ? 0.25 : 0.5; // of the particle's face
-  const double unit = young * area / size * corner_share;
+  const double unit = young / size * corner_area<dim>(size);
   return {parameters.normal_penalty_factor * unit, parameters.tangential_penalty_factor * unit,
-          interface.friction_coefficient.value_or(0.), interface.adhesion.value_or(0.) * area * corner_share,
+          interface.friction_coefficient.value_or(0.), interface.adhesion.value_or(0.) * corner_area<dim>(size),
           interface.limit()};
 }
 
-/// The surfaces whose distance from x (m) is at most `radius`.
-std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen::Vector3d& x, const double radius)
+/// The surfaces whose distance from x (m) is at most `radius` and their reach.
+std::vector<unsigned int> surfaces_near(const RigidSystems& bodies, const Eigen::Vector3d& x, const double radius,
+                                        const std::vector<double>& reach)
 {
   std::vector<unsigned int> near;
   for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
   {
     const WeldedSurface& welded = bodies.surfaces[s];
-    if (welded.surface.is_within(bodies.points[welded.point].pose.to_body(x), radius))
+    if (welded.surface.is_within(bodies.points[welded.point].pose.to_body(x), radius + reach[s]))
       near.push_back(s);
   }
   return near;
+}
+
+/// A particle and the surfaces that it may meet.
+struct NearBodies
+{
+  std::size_t particle;
+  std::vector<unsigned int> surfaces;
+};
+
+/// The particles that may meet a surface in the step.
+template <int dim>
+std::vector<NearBodies> find_near(const RigidSystems& bodies, const ContactParticles<dim>& particles,
+                                  const std::vector<double>& reach)
+{
+  std::vector<NearBodies> found;
+  for (std::size_t p = 0; p < particles.centre.size(); ++p)
+  {
+    // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
+    double radius = particles.travel[p];
+    for (const double half : particles.half_width[p])
+      radius += 2. * half;
+    std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius, reach);
+    if (!near.empty())
+      found.push_back({p, std::move(near)});
+  }
+  return found;
+}
+
+/// The history of particles whose numbers are not among `ids`.
+std::map<ContactKey, ContactHistory> history_of_others(const std::map<ContactKey, ContactHistory>& history,
+                                                       const std::vector<long long>& ids)
+{
+  std::map<ContactKey, ContactHistory> others = history;
+  std::vector<long long> remembered; // ascending
+  for (const auto& entry : history)
+    if (remembered.empty() || remembered.back() != entry.first.particle)
+      remembered.push_back(entry.first.particle);
+  for (const long long id : ids)
+    if (std::binary_search(remembered.begin(), remembered.end(), id))
+      others.erase(others.lower_bound({id, 0, 0}), others.lower_bound({id + 1, 0, 0}));
+  return others;
+}
+
+/// Corner of a particle's domain; bit d of its number tells the side along axis d.
+template <int dim>
+std::array<double, dim> find_corner(const ContactParticles<dim>& particles, const std::size_t p,
+                                    const unsigned int corner)
+{
+  std::array<double, dim> x;
+  for (unsigned int d = 0; d < dim; ++d)
+    x[d] = particles.centre[p][d] + ((corner >> d) & 1u ? 1. : -1.) * particles.half_width[p][d];
+  return x;
+}
+
+template <int dim>
+std::vector<SoilBox> boxes_of(const ContactParticles<dim>& particles, const std::vector<NearBodies>& near)
+{
+  std::vector<SoilBox> boxes;
+  for (const NearBodies& one : near)
+    boxes.push_back({to_world<dim>(particles.centre[one.particle]), to_world<dim>(particles.half_width[one.particle])});
+  return boxes;
 }
 
 /// Nodes of points, as PointForces has them.
@@ -123,64 +194,48 @@ template <int dim> void Contact<dim>::settle(ContactPair& pair, const RigidSyste
   state.reference_gap = std::clamp(balancing, std::min(first, -in), std::max(first, off));
 }
 
+template <int dim> void Contact<dim>::make_room_for_pairs(const std::size_t most)
+{
+  if (most <= pairs.size())
+    return;
+  pairs = {};                                                         // its memory first
+  pairs = SharedArray<ContactPair>("contact pairs", most + most / 4); // so that the next steps find room
+  rests = SharedArray<ContactRest>("contact rests", pairs.size());
+}
+
 template <int dim>
 void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table,
                               const ContactParticles<dim>& particles, const std::vector<unsigned int>& number,
-                              const double reach)
+                              const std::vector<double>& reach)
 {
-  waiting = history;
-  std::vector<long long> remembered; // particles, ascending
-  for (const auto& entry : history)
-    if (remembered.empty() || remembered.back() != entry.first.particle)
-      remembered.push_back(entry.first.particle);
+  waiting = history_of_others(history, particles.id);
   // what is found inside a body for the first time has come there with its box, between two steps
   const bool contact_goes_on = sum_over_ranks(static_cast<long long>(history.size()), communicator) > 0;
-  std::vector<InterfaceParameters> interfaces;
-  for (const WeldedSurface& welded : bodies.surfaces)
-    interfaces.push_back(welded.interface.or_else(parameters.interface));
+  const std::vector<InterfaceParameters> interfaces = interfaces_of(bodies, parameters);
 
-  std::vector<std::pair<std::size_t, std::vector<unsigned int>>> near_bodies;
+  const std::vector<NearBodies> near_bodies = find_near(bodies, particles, reach);
   std::size_t most_pairs = 0;
-  for (std::size_t p = 0; p < particles.centre.size(); ++p)
-  {
-    if (std::binary_search(remembered.begin(), remembered.end(), particles.id[p]))
-      waiting.erase(waiting.lower_bound({particles.id[p], 0, 0}), waiting.lower_bound({particles.id[p] + 1, 0, 0}));
-    // no corner is farther from the centre than the half-widths together; as much again is left for its own motion
-    double radius = reach + particles.travel[p];
-    for (const double half : particles.half_width[p])
-      radius += 2. * half;
-    std::vector<unsigned int> near = surfaces_near(bodies, to_world<dim>(particles.centre[p]), radius);
-    if (near.empty())
-      continue;
-    most_pairs += near.size() << dim;
-    near_bodies.emplace_back(p, std::move(near));
-  }
+  for (const NearBodies& near : near_bodies)
+    most_pairs += near.surfaces.size() << dim;
   arrays = {};
-  if (most_pairs > pairs.size())
-  {
-    pairs = {};                                                                     // its memory first
-    pairs = SharedArray<ContactPair>("contact pairs", most_pairs + most_pairs / 4); // so that the next steps find room
-    rests = SharedArray<ContactRest>("contact rests", pairs.size());
-  }
+  make_room_for_pairs(most_pairs);
   const auto host_pairs = pairs.overwrite_on_host();
   const auto host_rests = rests.overwrite_on_host();
   n_pairs = 0;
   Hanging<dim> points;
   std::vector<unsigned int> pair_begin;
-  for (const auto& [p, near] : near_bodies)
+  for (const auto& [p, surfaces] : near_bodies)
   {
     const double size = std::pow(particles.initial_volume[p], 1. / dim);
     for (unsigned int corner = 0; corner < (1u << dim); ++corner)
     {
-      std::array<double, dim> x;
-      for (unsigned int d = 0; d < dim; ++d)
-        x[d] = particles.centre[p][d] + ((corner >> d) & 1u ? 1. : -1.) * particles.half_width[p][d];
+      const std::array<double, dim> x = find_corner(particles, p, corner);
       const unsigned int point = points.begin.size() - 1;
       if (!add_corner<dim>(table, number, particles.centre[p], x, points))
         continue;
       // one point for the corner, one pair for each surface that it may touch
       pair_begin.push_back(n_pairs);
-      for (const unsigned int s : near)
+      for (const unsigned int s : surfaces)
       {
         ContactPair& pair = host_pairs(n_pairs) = ContactPair();
         pair.key = {particles.id[p], corner, s};
@@ -189,13 +244,7 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
         pair.stiffness = make_stiffness<dim>(parameters, interfaces[s], size, particles.young[p]);
         pair.bonds = interfaces[s].bonded.value_or(false);
         pair.size = size;
-        const auto entry = history.find(pair.key);
-        if (entry != history.end())
-          pair.committed = entry->second;
-        if (entry != history.end() || contact_goes_on)
-          settle(pair, bodies);
-        pair.trial = pair.augmented = pair.committed;
-        pair.approach = pair.approach_begin = pair.committed.memory.approach;
+        remember(pair, bodies, contact_goes_on);
         const Pose& pose = bodies.points[bodies.surfaces[s].point].pose;
         host_rests(n_pairs) = {s, false, false, (pair.start - pose.position).norm(), 0.};
         ++n_pairs;
@@ -203,6 +252,8 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
     }
   }
   pair_begin.push_back(n_pairs);
+  boxes = boxes_of(particles, near_bodies);
+  share_adhesion(bodies);
 
   arrays.pair_begin = upload(pair_begin, "pair begin");
   arrays.points.begin = upload(points.begin, "point begin");
@@ -212,6 +263,42 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   nodal_increment = View<double*>();
   n_rigid_points = bodies.points.size();
   has_searched = true;
+}
+
+template <int dim> void Contact<dim>::share_adhesion(const RigidSystems& bodies)
+{
+  const std::vector<InterfaceParameters> interfaces = interfaces_of(bodies, parameters);
+  const auto host = pairs.on_host();
+  for (unsigned int s = 0; s < bodies.surfaces.size(); ++s)
+  {
+    const double adhesion = interfaces[s].adhesion.value_or(0.);
+    if (adhesion == 0.)
+      continue;
+    std::vector<std::size_t> carrying; // those that touch only from now on keep the area of a face
+    std::vector<CarryingCorner> corners;
+    for (std::size_t k = 0; k < n_pairs; ++k)
+      if (const ContactPair& pair = host(k);
+          pair.key.surface == s && (pair.committed.pressure > 0. || pair.committed.bonded))
+      {
+        carrying.push_back(k);
+        corners.push_back({pair.start, pair.size, corner_area<dim>(pair.size)});
+      }
+    const std::vector<double> area = share_area(bodies, bodies.surfaces[s], corners, boxes, dim, communicator);
+    for (std::size_t i = 0; i < carrying.size(); ++i)
+      host(carrying[i]).stiffness.adhesion = adhesion * area[i];
+  }
+}
+
+template <int dim>
+void Contact<dim>::remember(ContactPair& pair, const RigidSystems& bodies, const bool contact_goes_on) const
+{
+  const auto entry = history.find(pair.key);
+  if (entry != history.end())
+    pair.committed = entry->second;
+  if (entry != history.end() || contact_goes_on)
+    settle(pair, bodies);
+  pair.trial = pair.augmented = pair.committed;
+  pair.approach = pair.approach_begin = pair.committed.memory.approach;
 }
 
 template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bodies)
@@ -239,8 +326,9 @@ template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bo
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void Contact<dim>::find_pairs(const RigidSystems&, const LeafTable<dim>&, const ContactParticles<dim>&,     \
-                                         const std::vector<unsigned int>&, double);                                    \
-  template void Contact<dim>::take_reference_gaps(const RigidSystems&);
+                                         const std::vector<unsigned int>&, const std::vector<double>&);                \
+  template void Contact<dim>::take_reference_gaps(const RigidSystems&);                                                \
+  template void Contact<dim>::share_adhesion(const RigidSystems&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)
 } // namespace kedge

@@ -95,6 +95,7 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
     pair.trial = pair.augmented = state;
     history[pair.key] = state;
   }
+  share_adhesion(bodies);
 }
 
 template void Contact<2>::replace_support(const RigidSystems&, std::vector<double>,

@@ -62,12 +62,12 @@ struct BodyRate
 ///
 /// The contact law lives in the body's frame: the force turns with the body and depends on where the soil point is in
 /// that frame alone, and on the path of the body, with which its reference gap fades. With K = d f / d x, r the arm, v
-/// the velocity and w the spin, f changes by w x f - K (v + w x r). The tangent by the normal is the derivative by the
-/// gap, and less that the one by the reference gap.
+/// the velocity and w the spin, f changes by w x f - K (v + w x r), and with the reference gap by less what it does
+/// with the gap.
 KEDGE_FUNCTION Eigen::Vector3d force_rate(const ContactPair& pair, const SurfaceMotion& surface, const BodyRate& rate)
 {
   const double reference_rate = pair.fading.dot(rate.of(pair.carried, surface));
-  return rate.w.cross(pair.force) - pair.tangent * (rate.of(pair.position, surface) + reference_rate * pair.normal);
+  return rate.w.cross(pair.force) - pair.tangent * rate.of(pair.position, surface) - reference_rate * pair.by_gap;
 }
 
 /// Column j of the derivative of -(f, r x f) by velocity and spin, r changing with the body, too: 36 numbers for each

@@ -1,4 +1,5 @@
 // Forces of all pairs for given motions of soil and bodies.
+#include "surface_part.h"
 #include <cmath>
 #include <kedge/base/world_axes.h>
 #include <kedge/contact_forces/evaluation.h>
@@ -20,16 +21,6 @@ constexpr double fades_slowly = 0.1;
 /// In sizes of the particle: so far off its reference a corner has left it.
 constexpr double leaves_beyond = 0.1;
 
-/// A surface goes on around a corner if its normal, half a size away, has turned by no more than this cosine tells.
-constexpr double goes_on = 0.9;
-
-/// In sizes of the particle: far more than round-off and far less than what matters.
-constexpr double aside = 1e-6;
-
-/// Nearer to an edge or a vertex than this, in sizes of the particle, a corner counts as on it: the direction from
-/// there is what the last solution has left of the distance.
-constexpr double on_surface = 0.05;
-
 /// Pairs respond from this distance on, in sizes of the particle, so that they have a slip before they touch.
 constexpr double wakes_before = 0.1;
 
@@ -37,31 +28,6 @@ constexpr double wakes_before = 0.1;
 /// where their springs have no force: without this the number of ranks would choose which of them press in the first
 /// tangent, and with it Newton's path.
 constexpr double round_off = 1e-9;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-KEDGE_FUNCTION double larger(const double a, const double b) { return a > b ? a : b; }
-KEDGE_FUNCTION double smaller(const double a, const double b) { return a < b ? a : b; }
-
-KEDGE_FUNCTION Eigen::Matrix3d normal_subspace(const ClosestPoint& closest)
-{
-  switch (closest.feature)
-  {
-    case Feature::edge:
-      return Eigen::Matrix3d::Identity() - closest.tangent * closest.tangent.transpose();
-    case Feature::vertex:
-      return Eigen::Matrix3d::Identity();
-    case Feature::face:
-      break;
-  }
-  return closest.normal * closest.normal.transpose();
-}
-
-/// Of the surface, for a corner of a particle of that size.
-KEDGE_FUNCTION Eigen::Vector3d normal_of(const ClosestPoint& closest, const double size)
-{
-  return std::fabs(closest.gap) < on_surface * size ? closest.pseudo_normal : closest.normal;
-}
 
 /// A pair that has just responded falls asleep where it touches nothing and holds nothing that could press.
 KEDGE_FUNCTION void put_to_rest(const ContactPair& pair, const SurfaceMotion& surface, ContactRest& rest)
@@ -72,50 +38,6 @@ KEDGE_FUNCTION void put_to_rest(const ContactPair& pair, const SurfaceMotion& su
   if (rest.asleep)
     rest.clearance = larger(rest.clearance, surface.tree.least_gap(surface.now.to_body(pair.position), pair.known) -
                                                 pair.slip.norm() - wakes_before * pair.size);
-}
-
-/// The surface as a pair sees it from x, in the body's frame; nothing beyond `distance` (m) from the surface itself.
-///
-/// Within a step a plane stands for the surface where its kinks would keep Newton's method from coming to rest: tension
-/// pulls a corner inside a convex body into the kinks of the distance, where the normal jumps from facet to facet, and
-/// a multiplier presses on however near the surface is, while the normal at an edge turns by 1/distance.
-KEDGE_FUNCTION bool find_closest(ContactPair& pair, const SurfaceMotion& surface, const Eigen::Vector3d& x,
-                                 const double distance, ClosestPoint& closest)
-{
-  if (!pair.on_plane && (pair.committed.bonded || pair.committed.multiplier > 0. || pair.committed.reference_gap > 0.))
-  {
-    KnownDistance nothing;
-    pair.on_plane = surface.tree.find_within(surface.before.to_body(pair.start), infinity, nothing, pair.plane);
-    pair.plane.normal = normal_of(pair.plane, pair.size);
-  }
-  if (!pair.on_plane)
-    return surface.tree.find_within(x, distance, pair.known, closest);
-  closest = pair.plane;
-  closest.gap += closest.normal.dot(pair.slip);
-  closest.feature = Feature::face;
-  return true;
-}
-
-/// Finds which way the surface faces a corner at its start, and whether it goes on around it.
-KEDGE_FUNCTION void look_around(ContactPair& pair, const SurfaceMotion& surface)
-{
-  // a little aside: round-off must not choose between sides that are equally near
-  const Eigen::Vector3d x = surface.before.to_body(pair.start) + aside * pair.size * Eigen::Vector3d(0.61, 0.37, 0.7);
-  const auto normal_at = [&](const Eigen::Vector3d& place) -> Eigen::Vector3d
-  {
-    KnownDistance nothing;
-    ClosestPoint closest;
-    if (!surface.tree.find_within(place, infinity, nothing, closest))
-      return Eigen::Vector3d::Zero();
-    return normal_of(closest, pair.size);
-  };
-  const Eigen::Vector3d normal = normal_at(x);
-  const Eigen::Vector3d along[2] = {normal.unitOrthogonal(), normal.cross(normal.unitOrthogonal())};
-  pair.near_edge = false;
-  for (int i = 0; i < 4; ++i)
-    if (normal.dot(normal_at(x + (i < 2 ? 0.5 : -0.5) * pair.size * along[i % 2])) < goes_on)
-      pair.near_edge = true;
-  pair.facing = surface.before.direction_to_world(normal);
 }
 
 /// How far a body has come farther than ever before: a reference above zero fades where it goes away, too.
@@ -206,23 +128,18 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   // up to where the multiplier and the reference press, or where the reference is left
   const double reaches = pair.reference_gap == 0. ? 0. : larger(0., pair.reference_gap + leaves_beyond * pair.size);
   const double held_off = pair.augmented.multiplier / pair.stiffness.normal + reaches;
-  ClosestPoint closest;
-  if (!find_closest(pair, surface, x, held_off, closest))
+  SurfacePart part;
+  if (!find_part(pair, surface, x, held_off, part))
     return;
-  pair.gap = closest.gap;
-  if (!pair.on_plane)
-  {
-    pair.plane = closest;
-    pair.plane.gap -= closest.normal.dot(pair.slip);
-  }
+  pair.gap = part.gap;
 
   ContactGeometry at;
-  at.distance = closest.gap;
-  at.gap = closest.gap - pair.reference_gap;
+  at.gap = part.gap - pair.reference_gap;
   if (std::fabs(at.gap) < round_off * pair.size)
     at.gap = 0.;
-  at.normal = now.direction_to_world(closest.normal);
-  at.normal_subspace = now.rotation * normal_subspace(closest) * now.rotation.transpose();
+  at.normal = now.direction_to_world(part.normal);
+  at.steepness = part.steepness;
+  at.turning = now.rotation * part.turning * now.rotation.transpose();
   at.slip = now.direction_to_world(pair.slip - pair.slip_begin);
   const Eigen::Vector3d previous = now.direction_to_world(before.direction_to_body(pair.augmented.tangential));
 
@@ -230,6 +147,7 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
   pair.active = response.active;
   pair.force = response.force;
   pair.tangent = response.tangent;
+  pair.by_gap = response.by_gap;
   pair.normal = at.normal;
   pair.trial.tangential = response.tangential;
   pair.trial.pressure = response.active ? response.force.dot(at.normal) : 0.;
@@ -242,17 +160,17 @@ KEDGE_FUNCTION void respond(ContactPair& pair, const SurfaceMotion& surface, con
     pair.trial.memory.approach = pair.approach;
     pair.trial.memory.opening = response.active ? 0. : at.gap;
   }
-  else if (closest.gap < 0.) // still inside: it starts from there, as one that is found inside
+  else if (part.gap < 0.) // still inside: it starts from there, as one that is found inside
   {
-    pair.trial.reference_gap = closest.gap;
-    pair.trial.memory = begins_at(closest.gap);
+    pair.trial.reference_gap = part.gap;
+    pair.trial.memory = begins_at(part.gap);
   }
   pair.trial.bonded = bonded || (pair.bonds && response.active);
   if (response.active && keeps_multipliers)
   {
     const double pressure = pair.proposed.multiplier = response.force.dot(at.normal);
     if (pair.trial.bonded) // from now on the spring alone carries what the multiplier does
-      pair.trial.reference_gap = closest.gap + pressure / pair.stiffness.normal;
+      pair.trial.reference_gap = part.gap + pressure / pair.stiffness.normal;
     else
       pair.trial.multiplier = pressure;
   }

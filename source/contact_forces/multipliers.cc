@@ -69,7 +69,7 @@ void reset_multipliers(const ContactArrays& contact, const std::size_t n_pairs)
         pairs(k).slip_begin.setZero();
         pairs(k).carry_begin.setZero();
         pairs(k).approach_begin = pairs(k).committed.memory.approach;
-        pairs(k).on_plane = false;
+        pairs(k).on_patch = pairs(k).knows_bend = false;
       });
 }
 
@@ -85,7 +85,7 @@ void augment(const ContactArrays& contact, const std::size_t n_pairs, const doub
         const double after = before + factor * (pair.proposed.multiplier - before);
         pair.augmented = pair.proposed;
         pair.augmented.multiplier = after > 0. ? after : 0.;
-        pair.on_plane = pair.on_plane || pair.active;
+        pair.on_patch = pair.on_patch || pair.active;
       });
 }
 

@@ -15,26 +15,6 @@ namespace kedge
 {
 namespace
 {
-void add_columns(const std::string& name, unsigned int n_components, std::string& line)
-{
-  for (const std::string& column : column_names(name, n_components))
-    line += "," + column;
-}
-
-std::string body_columns(const RigidSystems& bodies, const std::vector<BodyField>& fields)
-{
-  std::string line = "time";
-  for (std::size_t i = 0; i < bodies.points.size(); ++i)
-    for (const BodyField& field : fields)
-      add_columns(fmt::format("body{}_{}", i + 1, field.name), field.n_components, line);
-  for (std::size_t i = 0; i < bodies.tracked.size(); ++i)
-    add_columns(fmt::format("track{}", i + 1), 3, line);
-  for (std::size_t i = 0; i < bodies.joints.size(); ++i)
-    for (const char* const name : {"force", "couple"})
-      add_columns(fmt::format("joint{}_{}", i + 1, name), 3, line);
-  return line + ",stage,step\n";
-}
-
 /// Gives each rank the rows of a range of numbers. Collective.
 ParticleTable deal_out_by_number(const ParticleTable& mine, const std::size_t n_columns, const MPI_Comm communicator)
 {
@@ -76,6 +56,26 @@ std::string rows_of(const ParticleTable& table, const std::size_t n_columns)
 }
 } // namespace
 
+std::vector<std::string> history_columns(const RigidSystems& bodies, const std::vector<BodyField>& fields)
+{
+  std::vector<std::string> columns{"time"};
+  const auto add = [&](const std::string& name, const unsigned int n_components)
+  {
+    for (const std::string& column : column_names(name, n_components))
+      columns.push_back(column);
+  };
+  for (std::size_t i = 0; i < bodies.points.size(); ++i)
+    for (const BodyField& field : fields)
+      add(fmt::format("body{}_{}", i + 1, field.name), field.n_components);
+  for (std::size_t i = 0; i < bodies.tracked.size(); ++i)
+    add(fmt::format("track{}", i + 1), 3);
+  for (std::size_t i = 0; i < bodies.joints.size(); ++i)
+    for (const char* const name : {"force", "couple"})
+      add(fmt::format("joint{}_{}", i + 1, name), 3);
+  columns.insert(columns.end(), {"stage", "step"});
+  return columns;
+}
+
 ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::vector<ParticleField>& fields)
 {
   ParticleTable table;
@@ -101,7 +101,7 @@ void write_particle_csv(const ParticleTable& mine, const std::vector<ParticleFie
   const std::string rows = rows_of(deal_out_by_number(mine, n_columns, communicator), n_columns);
   std::string columns;
   for (const ParticleField& field : fields)
-    add_columns(field.name, field.n_components, columns);
+    columns += fmt::format(",{}", fmt::join(column_names(field.name, field.n_components), ","));
   const std::string draft = draft_of(path);
   const bool is_root = rank_of(communicator) == 0;
   const auto write_rows = [&]
@@ -174,7 +174,7 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
                          unsigned int stage, unsigned int step)
 {
   if (line_of_names.empty())
-    line_of_names = body_columns(bodies, fields);
+    line_of_names = fmt::format("{}\n", fmt::join(history_columns(bodies, fields), ","));
   if (!kept_names.empty() && kept_names != line_of_names)
     throw FileError(path,
                     "has other columns than this run; restart with the \"csv rigid body fields\" of the first run");

@@ -1,5 +1,6 @@
 #include "size_limits.h"
 #include <fmt/format.h>
+#include <kedge/output/history.h>
 #include <kedge/parameters/json.h>
 #include <kedge/simulation/check.h>
 #include <kedge/simulation/scene_warnings.h>
@@ -20,7 +21,8 @@ CheckResult check_scene(const Input& input)
   refuse_excessive_size(input, largest_share * memory_of_machine(),
                         fmt::format("{:g} machines like this one", largest_share));
   const RigidSystems bodies = make_rigid_systems(input.systems, input.dimension);
-  CheckResult result{find_warnings(input, bodies), estimate_cost(input)};
+  CheckResult result{find_warnings(input, bodies), estimate_cost(input),
+                     history_columns(bodies, select_body_fields(input.output.csv.body_fields))};
   if (const double bytes = least_size(input).bytes; bytes > memory_of_machine())
     result.warnings.push_back(fmt::format("the scene needs at least {:.3g} GB, more than the {:.3g} GB of this machine",
                                           1e-9 * bytes, 1e-9 * memory_of_machine()));
@@ -56,7 +58,8 @@ std::string check_as_json(const Input& input, const CheckResult& result)
                      {"commit", commit()},
                      {"warnings", result.warnings},
                      {"input", Json::parse(input.effective_json)},
-                     {"stages", stages}};
+                     {"stages", stages},
+                     {"columns", result.columns}};
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 } // namespace kedge

@@ -96,8 +96,8 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
 std::string describe_failure(const Input& input, const unsigned int stage_number, const Clock& clock,
                              const NewtonReport& newton, const ResidualPlace& place)
 {
-  const std::string which =
-      fmt::format("stage {}, step {} of {}", stage_number + 1, clock.steps_done() + 1., clock.requested_steps());
+  const std::string which = fmt::format("stage {}, step {} of {}", stage_number + 1,
+                                        std::floor(clock.steps_done()) + 1., clock.requested_steps());
   if (newton.residuals.empty() && newton.iterations == 0)
     return fmt::format("{}: {}", which, newton.failure);
   std::string text = fmt::format("{}: {} even with a step cut to {:.3g} of the requested one.\n", which, newton.failure,

@@ -63,8 +63,6 @@ void RunLog::resume(const SteppingParameters& stepping, const std::string& text,
   earlier.total_seconds = summary.total_seconds;
   earlier.seconds = summary.seconds;
   summary.stages.resize(stage_number + 1);
-  for (unsigned int stage = 0; stage < stage_number; ++stage)
-    deleted_before += summary.stages[stage].deleted;
   write("running");
 }
 
@@ -212,8 +210,9 @@ void RunLog::end_stage(const StepSummary& state, const long long cells, const do
   stage.particles = state.particles;
   stage.dofs = state.dofs;
   stage.cells = cells;
-  stage.deleted = state.deleted - deleted_before;
-  deleted_before = state.deleted;
+  stage.deleted = state.deleted;
+  for (std::size_t i = 0; i + 1 < summary.stages.size(); ++i)
+    stage.deleted -= summary.stages[i].deleted;
   stage.mass = sum_over_ranks(mass, world);
   const double n = std::max(1ll, state.particles);
   stage.particle_bytes = sum_over_ranks(particle_bytes, world) / n;

@@ -223,6 +223,21 @@ void add_warning_about_buried_bodies(const Input& input, const RigidSystems& bod
         numbers, stage - input.stages.begin() + 1));
 }
 
+/// About bodies that stages leave out and later ones find again, with soil in them.
+void add_warnings_about_pauses(const Input& input, std::vector<std::string>& warnings)
+{
+  bool have_acted = false;
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+  {
+    const Stage& stage = input.stages[i];
+    if (stage.rigid_bodies && have_acted && !input.stages[i - 1].rigid_bodies && !stage.wished_in_place)
+      warnings.push_back(fmt::format("stage {} has the bodies \"on\" again after \"off\", when nothing kept soil out "
+                                     "of them; hold bodies that rest with \"fixed\" conditions instead",
+                                     i + 1));
+    have_acted = have_acted || (stage.rigid_bodies && !input.systems.empty());
+  }
+}
+
 /// Where a body goes too far in a step for the cells at it.
 template <int dim>
 void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, std::vector<std::string>& warnings)
@@ -261,6 +276,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);
   add_warning_about_buried_bodies<dim>(input, bodies, grid, warnings);
+  add_warnings_about_pauses(input, warnings);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
       if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))

@@ -142,102 +142,172 @@ std::string reason_to_give_up(const NewtonReport& report, const double measure, 
     return "the residual diverges";
   return "";
 }
+
+/// The state of one solution.
+class NewtonMethod
+{
+public:
+  NewtonMethod(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
+               const NewtonHistory& history)
+      : problem(problem),
+        parameters(parameters),
+        target(parameters.target()),
+        damping(history.overshoots > many_overshoots ? most_damping : 0.),
+        x(x),
+        residual(x.getMap()),
+        dx(x.getMap()),
+        trial(x.getMap()),
+        trial_residual(x.getMap())
+  {
+    report.history = history;
+  }
+
+  NewtonReport solve(const std::optional<NewtonStart>& start);
+
+private:
+  void begin(const std::optional<NewtonStart>& start);
+  /// Whether x will do. If it is below the target and will not, it is remembered while corrections refine it.
+  bool is_solved();
+  /// Why no further correction is made, if so; empty where what is remembered shall do.
+  std::optional<std::string> reason_to_stop();
+  LinearReport find_direction();
+  /// Goes along the direction: a full step, or the result of the search that fits the situation.
+  void take_step();
+  SearchPoint evaluate(double step);
+  SearchPoint choose_step(double work);
+  /// What residuals are compared with may follow the solution, but never within a line search.
+  double renewed(const double measured) const
+  {
+    return problem.renew_measure && std::isfinite(measured) ? problem.renew_measure(residual) : measured;
+  }
+  /// The end without a solution, or with the one that is remembered: it stays one, whatever becomes of its refinement.
+  NewtonReport give_up(const std::string& reason);
+
+  const NewtonProblem& problem;
+  const SolverParameters& parameters;
+  NewtonReport report;
+  const double target;
+  double measure = 0., lowest = 0., linear_tolerance = loosest, damping;
+  unsigned int without_progress = 0, refinements = 0;
+  TpetraVector &x, residual, dx, trial, trial_residual;
+  std::optional<TpetraVector> solution; ///< below the target, while it is refined
+};
+
+NewtonReport NewtonMethod::solve(const std::optional<NewtonStart>& start)
+{
+  begin(start);
+  while (!is_solved())
+  {
+    if (const auto reason = reason_to_stop())
+      return give_up(*reason);
+    const LinearReport linear = find_direction();
+    if (linear.converged)
+      take_step();
+    else if (damping < most_damping)
+      damping = raise_damping(damping); // a system that is too soft for the linear solver is damped and solved again
+    else
+      return give_up("the linear system could not be solved" +
+                     (linear.trouble.empty() ? "" : ", for there was no multigrid hierarchy: " + linear.trouble));
+  }
+  report.converged = true;
+  return report;
+}
+
+void NewtonMethod::begin(const std::optional<NewtonStart>& start)
+{
+  if (start)
+    Tpetra::deep_copy(residual, start->residual);
+  measure = lowest = renewed(start ? start->measure : problem.residual(x, residual));
+  report.residuals.push_back(measure);
+}
+
+bool NewtonMethod::is_solved()
+{
+  if (!(measure < target))
+    return false;
+  const bool is_start = report.residuals.size() == 1;
+  const auto needs_more = [&]
+  { return (is_start && !(measure < problem.solved_at_start)) || (problem.suffices && !problem.suffices(residual)); };
+  if (refinements == max_refinements || !needs_more())
+    return true;
+  solution.emplace(x, Teuchos::Copy);
+  return false;
+}
+
+std::optional<std::string> NewtonMethod::reason_to_stop()
+{
+  if (solution && refinements++ == max_refinements)
+    return "";
+  const std::string reason = reason_to_give_up(report, measure, without_progress, parameters);
+  return reason.empty() ? std::optional<std::string>() : reason;
+}
+
+LinearReport NewtonMethod::find_direction()
+{
+  linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, target);
+  const LinearReport linear = problem.solve(x, residual, dx, {linear_tolerance, damping});
+  ++report.iterations;
+  report.krylov_iterations += linear.iterations;
+  report.escalations += linear.escalations;
+  return linear;
+}
+
+void NewtonMethod::take_step()
+{
+  const double work = dx.dot(residual);
+  const SearchPoint step = choose_step(work);
+  if (report.iterations == 1 && !solution)
+    report.history.overshoots = overshoots_after(report.history.overshoots, damping, step.step);
+  damping = adapt_damping(damping, {0., measure, work}, step);
+  // The last point at which the search evaluated the residual is the one that it returns.
+  Tpetra::deep_copy(x, trial);
+  Tpetra::deep_copy(residual, trial_residual);
+  measure = renewed(step.measure);
+  report.residuals.push_back(measure);
+  const bool gained = measure < progress * lowest;
+  without_progress = gained ? 0 : without_progress + 1;
+  lowest = gained ? measure : lowest;
+}
+
+SearchPoint NewtonMethod::evaluate(const double step)
+{
+  trial.update(1., x, -step, dx, 0.);
+  const double trial_measure = problem.residual(trial, trial_residual);
+  return {step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
+}
+
+SearchPoint NewtonMethod::choose_step(const double work)
+{
+  const auto at = [&](const double step) { return evaluate(step); };
+  const SearchPoint full = at(1.);
+  const bool is_fine = solution && full.measure < target; // near round-off a measure need not fall
+  if (!parameters.line_search || is_fine || full.measure <= (1. - armijo) * measure)
+    return full;
+  // Shortened steps come a few at a time; many in a row crawl from kink to kink.
+  if (without_progress / patience % 2 == 1)
+    return shorten_step(at, full, measure);
+  if (work > 0.)
+    return search_line(at, full, {0., measure, work});
+  return halve_step(at, full, *std::max_element(report.residuals.begin(), report.residuals.end()));
+}
+
+NewtonReport NewtonMethod::give_up(const std::string& reason)
+{
+  report.converged = solution.has_value();
+  if (!solution)
+    report.failure = reason;
+  else
+  {
+    Tpetra::deep_copy(x, *solution);
+    report.residuals.push_back(problem.residual(x, residual));
+  }
+  return report;
+}
 } // namespace
 
 NewtonReport solve_newton(const NewtonProblem& problem, TpetraVector& x, const SolverParameters& parameters,
                           const std::optional<NewtonStart>& start, const NewtonHistory& history)
 {
-  NewtonReport report;
-  report.history = history;
-  TpetraVector residual(x.getMap()), dx(x.getMap()), trial(x.getMap()), trial_residual(x.getMap());
-  const double target = parameters.target();
-  // What residuals are compared with may follow the solution, but never within a line search.
-  const auto renewed = [&](const double measured)
-  { return problem.renew_measure && std::isfinite(measured) ? problem.renew_measure(residual) : measured; };
-  if (start)
-    Tpetra::deep_copy(residual, start->residual);
-  double measure = renewed(start ? start->measure : problem.residual(x, residual));
-  report.residuals.push_back(measure);
-  double linear_tolerance = loosest, damping = history.overshoots > many_overshoots ? most_damping : 0.,
-         lowest = measure;
-  unsigned int without_progress = 0, refinements = 0;
-  std::optional<TpetraVector> solution; // below the target, while it is refined
-  const auto needs_more = [&]
-  {
-    const bool is_start = report.residuals.size() == 1;
-    return (is_start && !(measure < problem.solved_at_start)) || (problem.suffices && !problem.suffices(residual));
-  };
-  // A solution stays one, whatever becomes of its refinement.
-  const auto give_up = [&](const std::string& reason)
-  {
-    report.converged = solution.has_value();
-    if (!solution)
-      report.failure = reason;
-    else
-    {
-      Tpetra::deep_copy(x, *solution);
-      report.residuals.push_back(problem.residual(x, residual));
-    }
-    return report;
-  };
-  for (;;)
-  {
-    if (measure < target)
-    {
-      if (refinements == max_refinements || !needs_more())
-        break;
-      solution.emplace(x, Teuchos::Copy);
-    }
-    if (solution && refinements++ == max_refinements)
-      return give_up("");
-    if (const std::string reason = reason_to_give_up(report, measure, without_progress, parameters); !reason.empty())
-      return give_up(reason);
-
-    // The direction. A system that is too soft for the linear solver is damped and solved again.
-    linear_tolerance = choose_linear_tolerance(report.residuals, linear_tolerance, target);
-    const LinearReport linear = problem.solve(x, residual, dx, {linear_tolerance, damping});
-    ++report.iterations;
-    report.krylov_iterations += linear.iterations;
-    report.escalations += linear.escalations;
-    if (!linear.converged && damping < most_damping)
-    {
-      damping = raise_damping(damping);
-      continue;
-    }
-    if (!linear.converged)
-      return give_up("the linear system could not be solved" +
-                     (linear.trouble.empty() ? "" : ", for there was no multigrid hierarchy: " + linear.trouble));
-
-    // The step: a full one, or the result of the search that fits the situation.
-    const double work = dx.dot(residual);
-    const auto at = [&](const double step)
-    {
-      trial.update(1., x, -step, dx, 0.);
-      const double trial_measure = problem.residual(trial, trial_residual);
-      return SearchPoint{step, trial_measure, std::isfinite(trial_measure) ? dx.dot(trial_residual) : -INFINITY};
-    };
-    const double highest = *std::max_element(report.residuals.begin(), report.residuals.end());
-    // Shortened steps come a few at a time; many in a row crawl from kink to kink.
-    const bool shortens = without_progress / patience % 2 == 1;
-    SearchPoint step = at(1.);
-    const bool is_fine = solution && step.measure < target; // near round-off a measure need not fall
-    if (parameters.line_search && !is_fine && !(step.measure <= (1. - armijo) * measure))
-      step = shortens    ? shorten_step(at, step, measure)
-             : work > 0. ? search_line(at, step, {0., measure, work})
-                         : halve_step(at, step, highest);
-    if (report.iterations == 1 && !solution)
-      report.history.overshoots = overshoots_after(history.overshoots, damping, step.step);
-    damping = adapt_damping(damping, {0., measure, work}, step);
-    // The last point at which the search evaluated the residual is the one that it returns.
-    Tpetra::deep_copy(x, trial);
-    Tpetra::deep_copy(residual, trial_residual);
-    measure = renewed(step.measure);
-    report.residuals.push_back(measure);
-    const bool gained = measure < progress * lowest;
-    without_progress = gained ? 0 : without_progress + 1;
-    lowest = gained ? measure : lowest;
-  }
-  report.converged = true;
-  return report;
+  return NewtonMethod(problem, x, parameters, history).solve(start);
 }
 } // namespace kedge

@@ -20,9 +20,8 @@ Section<SolverParameters> solver_section()
       number("-", positive().below(1.)),
       "In place of \"force tolerance\", which then counts for the loads on bodies alone: a step has converged when the "
       "norm of the residual on the free degrees of freedom falls below this times the norm of the nodal weights and "
-      "body forces of "
-      "the soil (rigid degrees of freedom: the weight of all bodies). Large cells far away make this norm, so small "
-      "cells need a small value");
+      "body forces of the soil (rigid degrees of freedom: the weight of the free bodies of their system). Large cells "
+      "far away make this norm, so small cells need a small value");
   section.required("max newton iterations", &P::max_newton_iterations, count(Bounds().at_least(1)),
                    "Newton iterations before a step is cut to half; it is cut sooner if half of them, but at least 24, "
                    "in a row make "

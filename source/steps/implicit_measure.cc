@@ -62,12 +62,12 @@ template <int dim> std::string ImplicitStep<dim>::refusal_of_leap() const
     return "";
   const BodyLoads loads = body_loads();
   const double cell = cell_size_at_surfaces(context.stage.cells, context.soil.mesh().layout().base_size);
-  std::vector<double> distance; // by free dofs, in cells
-  for (std::size_t i = 0; i < loads.size(); ++i)
+  std::vector<double> distance(loads.size(), 0.); // from where the step began to look for balance, in cells
+  if (!loads.empty())
   {
-    const Vector6 chosen = body_increments[i] - load.body_increments[i];
-    const double farthest = std::max(chosen.head<3>().norm(), body_levers[i] * chosen.tail<3>().norm());
-    distance.push_back(loads[i].isZero() ? 0. : farthest / cell);
+    const std::vector<double> apart = farthest_apart(context.bodies, body_increments, load.body_increments);
+    for (std::size_t i = 0; i < loads.size(); ++i)
+      distance[i] = loads[i].isZero() ? 0. : apart[i] / cell;
   }
   const auto leaps = [](const double cells) { return cells > farthest_in_contact; };
   if (std::none_of(distance.begin(), distance.end(), leaps)) // nearly always, and no rank need ask the others

@@ -132,12 +132,15 @@ template <int dim> NodePlaces ImplicitStep<dim>::find_node_places() const
 template <int dim> void ImplicitStep<dim>::weigh_bodies()
 {
   const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
-  for (const RigidPoint& point : context.bodies.points)
-    body_weight += point.mass * g;
-  if (!context.bodies.surfaces.empty())
-    body_lever = 0.5 * extent_of_surfaces(context.bodies, dim);
+  const std::vector<SystemSize> sizes = sizes_of_systems(context.bodies, dim);
+  for (std::size_t i = 0; i < context.bodies.points.size(); ++i)
+  {
+    const SystemSize& size = sizes[system_of(context.bodies, i)];
+    system_weights.push_back(g * size.free_mass);
+    system_levers.push_back(size.lever > 0. ? size.lever : 1.);
+  }
   body_levers = levers_of_points(context.bodies, dim);
-  body_scale = rigid_unknowns->scale(body_weight, body_lever);
+  body_scale = rigid_unknowns->scale(system_weights, system_levers);
 }
 
 template <int dim> RigidStep ImplicitStep<dim>::rigid_step() const

@@ -39,7 +39,7 @@ LinearReport ImplicitStep<dim>::solve_linearised(const TpetraVector&, const Tpet
     if (how.damping > 0. && !load.newmark.is_dynamic()) // a body that touches nothing yet sinks until the soil holds it
     {
       const double particle = context.soil.mesh().layout().finest_size / context.soil.parameters().points_per_axis;
-      rigid_unknowns->hold(border, how.damping * holding_springs * body_weight / particle, body_lever);
+      rigid_unknowns->hold(border, how.damping * holding_springs / particle, system_weights, system_levers);
     }
   }
   Eigen::VectorXd dy;

@@ -100,17 +100,22 @@ template Border RigidUnknowns::border(const RigidBalance&, const Contact<2>&, co
 template Border RigidUnknowns::border(const RigidBalance&, const Contact<3>&, const std::vector<Vector6>&,
                                       const System&) const;
 
-void RigidUnknowns::hold(Border& border, const double stiffness, const double lever) const
+void RigidUnknowns::hold(Border& border, const double per_weight, const std::vector<double>& weights,
+                         const std::vector<double>& levers) const
 {
   for (std::size_t i = 0; i < dofs.size(); ++i)
-    border.corner(i, i) += dofs[i].dof < 3 ? stiffness : stiffness * lever * lever;
+  {
+    const auto [point, dof] = dofs[i];
+    const double lever = dof < 3 ? 1. : levers[point];
+    border.corner(i, i) += per_weight * weights[point] * lever * lever;
+  }
 }
 
-Eigen::VectorXd RigidUnknowns::scale(const double weight, const double lever) const
+Eigen::VectorXd RigidUnknowns::scale(const std::vector<double>& weights, const std::vector<double>& levers) const
 {
   Eigen::VectorXd result(dofs.size());
   for (std::size_t i = 0; i < dofs.size(); ++i)
-    result[i] = dofs[i].dof < 3 ? weight : weight * lever;
+    result[i] = dofs[i].dof < 3 ? weights[dofs[i].point] : weights[dofs[i].point] * levers[dofs[i].point];
   return result;
 }
 

@@ -162,24 +162,31 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
 {
   const auto scope = context.timings.measure("contact search");
   const RigidSystems& bodies = context.bodies;
-  double reach = 0.;
-  const double lever = std::max(extent_of_surfaces(bodies, dim), farthest_from_points(bodies, dim));
-  for (const RigidPoint& point : bodies.points)
+  const std::vector<SystemSize> sizes = sizes_of_systems(bodies, dim);
+  std::vector<double> reach(sizes.size(), 0.); // joints move one body of a system by another
+  for (std::size_t i = 0; i < bodies.points.size(); ++i)
   {
+    const RigidPoint& point = bodies.points[i];
+    const unsigned int system = system_of(bodies, i);
+    const double lever = std::max(sizes[system].extent, sizes[system].farthest);
     const bool moves_freely = point.n_free_dofs() > 0;
     const Vector6 expected = point.prescribed_increment(1.) + (moves_freely ? whole.dt : 0.) * point.velocity;
     double distance = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
     if (moves_freely) // it may speed up
       distance = 2. * distance + whole.gravity.norm() * whole.dt * whole.dt;
-    reach = std::max(reach, distance);
+    reach[system] = std::max(reach[system], distance);
   }
+  std::vector<double> reach_of_surfaces;
+  for (const WeldedSurface& welded : bodies.surfaces)
+    reach_of_surfaces.push_back(reach[system_of(bodies, welded.point)]);
   const ParticleSet<dim>& particles = context.soil.particles();
   const std::vector<double> volume = download(particles.arrays().initial_volume);
   const std::vector<double> young = download(particles.arrays().young);
   const std::vector<double> travel = find_travel(context);
   context.soil.contact().find_pairs(
       bodies, context.soil.mesh().leaves(),
-      {particles.positions(), particles.half_widths(), particles.ids(), volume, young, travel}, nodes.number, reach);
+      {particles.positions(), particles.half_widths(), particles.ids(), volume, young, travel}, nodes.number,
+      reach_of_surfaces);
 }
 
 template <int dim>

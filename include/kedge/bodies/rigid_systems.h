@@ -47,15 +47,27 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems);
 /// The same for one surface.
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems, const WeldedSurface& welded);
 
-/// Diagonal of these bounds in the axes of the analysis, m; 0 without surfaces. In plane strain the extent across the
-/// plane does not count.
-double extent_of_surfaces(const RigidSystems& systems, unsigned int dim);
-
-/// Half of the same for the surfaces of each point, m; 0 for points without one.
+/// Half of the diagonal of these bounds for the surfaces of each point in the axes of the analysis, m; 0 for points
+/// without one. In plane strain the extent across the plane does not count.
 std::vector<double> levers_of_points(const RigidSystems& systems, unsigned int dim);
 
-/// Largest distance of any surface from the rigid point that moves it, m; in plane strain within the plane.
-double farthest_from_points(const RigidSystems& systems, unsigned int dim);
+/// What joints hold together, to be measured by itself: bodies elsewhere change nothing of it. In plane strain lengths
+/// are those within the plane.
+struct SystemSize
+{
+  double extent = 0.;    ///< diagonal of the bounds of all surfaces, m; 0 without surfaces
+  double farthest = 0.;  ///< largest distance of a surface from the rigid point that moves it, m
+  double free_mass = 0.; ///< of the points that have a free dof, kg
+  double lever = 0.;     ///< largest of theirs by levers_of_points(), without a surface the radius of gyration, m
+};
+std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, unsigned int dim);
+
+/// The system of a point; both are numbered from 0, points over all systems.
+unsigned int system_of(const RigidSystems& systems, unsigned int point);
+
+/// Largest distance between where two increments of rigid points take a surface, m, by rigid point.
+std::vector<double> farthest_apart(const RigidSystems& systems, const std::vector<Vector6>& increments,
+                                   const std::vector<Vector6>& others);
 
 /// Farthest that any point of a surface goes in a requested step by what its rigid point is prescribed, m.
 double largest_prescribed_motion(const RigidSystems& systems);

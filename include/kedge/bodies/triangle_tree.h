@@ -170,10 +170,21 @@ struct TriangleTree
   /// Share of a known distance that covers round-off. Beside a nearly flat edge the gap is a height and a little less
   /// than the distance to the edge; the margin covers this difference too.
   static constexpr double margin = 1e-6;
+  /// Squares of distances that differ by less, relatively, are equal: neither round-off nor the single precision of STL
+  /// files must choose between them.
+  static constexpr double same_distance = 1e-5;
+  /// Squares of the distances between feet of perpendiculars, over those to the feet, below which the feet are the
+  /// same.
+  static constexpr double same_foot = 1e-4;
+  static constexpr unsigned int most_feet = 8;
 
   /// `any`: the first that is found within the limit will do.
   KEDGE_FUNCTION surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit, bool any = false) const;
   KEDGE_FUNCTION ClosestPoint describe(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
+  /// The same where several parts of the surface may be equally near, as inside a body on the bisector of an edge: then
+  /// the normal is the mean of theirs. Where they cancel, as half way through a plate, the triangle with the least
+  /// number counts. Outside, where a body touches nothing, any will do.
+  KEDGE_FUNCTION ClosestPoint describe_all(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
   /// Whether gap <= distance, up to `margin` of it, for distance >= 0: what find_within() finds out, in less time where
   /// the gap does not matter.
   KEDGE_FUNCTION bool is_within(const Eigen::Vector3d& x, double distance) const;
@@ -255,6 +266,55 @@ KEDGE_FUNCTION ClosestPoint TriangleTree::describe(const Eigen::Vector3d& x, con
   return {gap, nearest.point, normal, part.feature, part.tangent, triangle, part.normal};
 }
 
+KEDGE_FUNCTION ClosestPoint TriangleTree::describe_all(const Eigen::Vector3d& x,
+                                                       const surface_tree::Nearest& nearest) const
+{
+  const ClosestPoint closest = describe(x, nearest);
+  if (!(closest.gap < -tiny))
+    return closest;
+  ClosestPoint first = closest;
+  const double limit = (1. + same_distance) * nearest.squared_distance;
+  Eigen::Vector3d feet[most_feet], sum = closest.normal;
+  feet[0] = nearest.point;
+  unsigned int n_feet = 1, size = 0, stack[64];
+  stack[size++] = 0;
+  while (size > 0)
+  {
+    const unsigned int number = stack[--size];
+    const surface_tree::Node& node = nodes[number];
+    if (node.squared_distance(x) > limit)
+      continue;
+    for (unsigned int f = node.first_facet; f < node.first_facet + node.n_facets; ++f)
+    {
+      const surface_tree::PointOfFacet found = surface_tree::project(facets[f], x);
+      const double squared_distance = (x - found.point).squaredNorm();
+      bool is_new = squared_distance <= limit && n_feet < most_feet;
+      for (unsigned int k = 0; k < n_feet && is_new; ++k)
+        is_new = (found.point - feet[k]).squaredNorm() > same_foot * nearest.squared_distance;
+      if (!is_new)
+        continue;
+      feet[n_feet++] = found.point;
+      const ClosestPoint other = describe(x, {squared_distance, found.point, f, found.part});
+      sum += other.normal;
+      if (other.triangle < first.triangle)
+        first = other;
+    }
+    if (node.n_facets == 0)
+    {
+      stack[size++] = node.other;
+      stack[size++] = number + 1;
+    }
+  }
+  if (n_feet == 1)
+    return closest;
+  const double length = sum.norm();
+  if (length < margin)
+    return first;
+  const Eigen::Vector3d normal = sum / length;
+  return {closest.gap, x - closest.gap * normal, normal, Feature::face, Eigen::Vector3d::Zero(), first.triangle,
+          normal};
+}
+
 KEDGE_FUNCTION bool TriangleTree::is_within(const Eigen::Vector3d& x, const double distance) const
 {
   const double to_box = nodes[0].squared_distance(x), least = grid.least_distance(x);
@@ -290,7 +350,7 @@ KEDGE_FUNCTION bool TriangleTree::find_within(const Eigen::Vector3d& x, const do
   const surface_tree::Nearest found = nearest(x, squared_limit);
   if (found.facet == -1u)
     return false;
-  closest = describe(x, found);
+  closest = describe_all(x, found);
   known.at = x;
   known.signed_distance = std::copysign(std::sqrt(found.squared_distance), closest.gap);
   return closest.gap <= distance;

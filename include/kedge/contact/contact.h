@@ -7,6 +7,7 @@
 #include <kedge/basis/gimp.h>
 #include <kedge/bodies/rigid_systems.h>
 #include <kedge/contact/parameters.h>
+#include <kedge/contact/surface_areas.h>
 #include <kedge/contact_forces/evaluation.h>
 #include <kedge/particles/splitting.h>
 #include <map>
@@ -53,9 +54,9 @@ public:
   Contact(const ContactParameters& parameters, MPI_Comm communicator);
 
   /// Finds the corners that could touch a body during the next step and their nodes. `reach` is how far beyond its own
-  /// size and travel a particle is looked at, m. Collective. `number` maps leaf-table nodes to active ones.
+  /// size and travel a particle is looked at, m, by surface. Collective. `number` maps leaf-table nodes to active ones.
   void find_pairs(const RigidSystems& bodies, const LeafTable<dim>& table, const ContactParticles<dim>& particles,
-                  const std::vector<unsigned int>& number, double reach);
+                  const std::vector<unsigned int>& number, const std::vector<double>& reach);
 
   /// Takes the penetration of every pair as its reference, for bodies that are buried from the start. Bonds pairs of
   /// bonded surfaces that are nearer than half a particle's size where they are.
@@ -163,6 +164,11 @@ private:
   SurfaceMotions find_motions(const RigidSystems& committed, const std::vector<Vector6>& increments) const;
   /// Pairs and rests, to be changed there.
   ContactArrays& on_device();
+  void make_room_for_pairs(std::size_t most);
+  /// Gives corners that carry surfaces with adhesion the area that they stand for. Collective.
+  void share_adhesion(const RigidSystems& bodies);
+  /// Gives a pair what it remembers.
+  void remember(ContactPair& pair, const RigidSystems& bodies, bool contact_goes_on) const;
   /// Chooses the reference gap with which the pair presses at the start of the step as it did at the end of the last.
   static void settle(ContactPair& pair, const RigidSystems& bodies);
   /// The history of a parent's corners against one surface goes to its children.
@@ -171,6 +177,7 @@ private:
 
   ContactParameters parameters;
   MPI_Comm communicator;
+  std::vector<SoilBox> boxes; ///< that the last search has found near bodies
   std::size_t n_pairs = 0;
   SharedArray<ContactPair> pairs; ///< the first n_pairs
   SharedArray<ContactRest> rests; ///< by pair

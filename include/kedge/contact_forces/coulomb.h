@@ -25,12 +25,11 @@ KEDGE_FUNCTION double stiffest(const ContactStiffness& stiffness)
 /// Where a soil point is relative to a body, and how it got there.
 struct ContactGeometry
 {
-  double gap;                      ///< signed distance less the reference gap, m; negative: penetration
-  double distance;                 ///< signed distance itself, m
-  Eigen::Vector3d normal;          ///< unit, out of the body
-  Eigen::Matrix3d normal_subspace; ///< 1 - the directions along which the closest point follows: n n^T on a face,
-                                   ///< 1 - t t^T on an edge, 1 at a vertex
-  Eigen::Vector3d slip;            ///< displacement of the soil point relative to the body in this step, m
+  double gap;              ///< signed distance less the reference gap, m; negative: penetration
+  Eigen::Vector3d normal;  ///< unit, out of the body
+  double steepness = 1.;   ///< d gap / d soil point = steepness * normal
+  Eigen::Matrix3d turning; ///< d normal / d soil point, 1/m: zero on a face
+  Eigen::Vector3d slip;    ///< displacement of the soil point relative to the body in this step, m
 };
 
 /// Forces act on the soil, N.
@@ -39,6 +38,7 @@ struct ContactResponse
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d tangential = Eigen::Vector3d::Zero(); ///< tangential part, the history of the next step
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero();    ///< d force / d soil point, N/m
+  Eigen::Vector3d by_gap = Eigen::Vector3d::Zero();     ///< d force / d gap, the place being held, N/m
   bool active = false, sliding = false;
 };
 
@@ -101,20 +101,18 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
   const Eigen::Vector3d& n = at.normal;
   const Eigen::Matrix3d across = n * n.transpose();
   const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - across;
+  const double steep = at.steepness * stiffness.normal;
 
   response.force = pressure * n;
-  // the gap changes along n, and n turns where the closest point sits on an edge or vertex
-  Eigen::Matrix3d turning = Eigen::Matrix3d::Zero(); // d n / d soil point
-  if (std::fabs(at.distance) > 1e-14)
-    turning = (at.normal_subspace - across) * (1. / at.distance);
-  response.tangent = pressure * turning - stiffness.normal * across;
+  response.tangent = pressure * at.turning - steep * across;
+  response.by_gap = -stiffness.normal * n;
 
   const SlipLimit limit = slip_limit(stiffness, pressure, bonded);
   if (limit.force == 0. && limit.slope == 0.)
     return response;
   const Eigen::Vector3d elastic = previous - stiffness.tangential * at.slip, trial = along * elastic;
-  const Eigen::Matrix3d trial_change =
-      -(stiffness.tangential * along + n.dot(elastic) * turning + n * (turning * elastic).transpose());
+  const Eigen::Matrix3d trial_change = -(stiffness.tangential * along + n.dot(elastic) * at.turning +
+                                         n * (at.turning.transpose() * elastic).transpose());
   const double size = std::sqrt(trial.dot(trial));
   response.tangential = size > limit.force ? Eigen::Vector3d(trial * (limit.force / size)) : trial;
   if (size <= (1. - on_the_limit) * limit.force || size == 0.)
@@ -123,7 +121,8 @@ KEDGE_FUNCTION ContactResponse respond_to_contact(const ContactGeometry& at, con
   {
     response.sliding = true;
     const Eigen::Vector3d direction = trial * (1. / size);
-    response.tangent -= limit.slope * stiffness.normal * direction * n.transpose();
+    response.tangent -= limit.slope * steep * direction * n.transpose();
+    response.by_gap -= limit.slope * stiffness.normal * direction;
     response.tangent +=
         std::fmin(1., limit.force / size) * (trial_change - direction * (direction.transpose() * trial_change));
   }

@@ -78,12 +78,15 @@ struct ContactPair
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();        ///< in the last evaluation, in the body's frame, m
   Eigen::Vector3d slip_begin = Eigen::Vector3d::Zero();  ///< what the tangential force in use belongs to, so too
   KnownDistance known;                                   ///< in the body's frame
-  bool on_plane = false;                                 ///< a plane stands for the surface
-  /// That touches the surface, with the gap of the corner at the start of the step; in the body's frame.
-  ClosestPoint plane;
+  bool on_patch = false;                                 ///< a patch stands for the surface
+  bool knows_bend = false;                               ///< that of the patch
+  ClosestPoint patch; ///< where it touches the surface, and the gap of the corner then; in the body's frame
+  Eigen::Vector3d patch_slip = Eigen::Vector3d::Zero(); ///< of the corner then, so too, m
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();       ///< d normal / d place along the patch, so too, 1/m
   bool active = false;
   Eigen::Vector3d position = Eigen::Vector3d::Zero(), force = Eigen::Vector3d::Zero();
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Zero(); ///< d force / d soil point
+  Eigen::Vector3d by_gap = Eigen::Vector3d::Zero();  ///< d force / d gap, the place being held
 };
 
 /// What evaluations need of a pair that is far from touching, so that they leave it alone.

@@ -23,10 +23,12 @@ ParticleTable tabulate(const std::vector<ParticleView>& particles, const std::ve
 void write_particle_csv(const ParticleTable& mine, const std::vector<ParticleField>& fields, double time,
                         const std::string& path, MPI_Comm communicator);
 
-/// The table of the rigid bodies: time, the fields of each point (body1_position_x, ...), the position of each tracked
-/// node (track1_x, ...), force and couple of each joint (joint1_force_x, ...), stage and step; one row per output. Rows
-/// that the disk does not take wait in memory for the next attempt, `most_bytes` of them; later ones are lost. Only one
-/// rank may have it.
+/// Names of the columns of the table of the rigid bodies: time, the fields of each point (body1_position_x, ...), the
+/// position of each tracked node (track1_x, ...), force and couple of each joint (joint1_force_x, ...), stage and step.
+std::vector<std::string> history_columns(const RigidSystems& bodies, const std::vector<BodyField>& fields);
+
+/// The table of the rigid bodies, one row per output. Rows that the disk does not take wait in memory for the next
+/// attempt, `most_bytes` of them; later ones are lost. Only one rank may have it.
 class BodyHistory
 {
 public:

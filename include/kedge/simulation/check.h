@@ -11,6 +11,7 @@ struct CheckResult
 {
   std::vector<std::string> warnings;
   std::vector<StageEstimate> stages;
+  std::vector<std::string> columns; ///< of rigid_body.csv
 };
 
 CheckResult check_scene(const Input& input);
@@ -18,6 +19,7 @@ CheckResult check_scene(const Input& input);
 /// For people: `name` of the input, warnings, the table of stages.
 std::string format_check(const Input& input, const CheckResult& result, const std::string& name);
 
-/// For programs: one object on one line with `version`, `commit`, `warnings`, `input` and `stages`; bytes and seconds.
+/// For programs: one object on one line with `version`, `commit`, `warnings`, `input`, `stages` (bytes and seconds) and
+/// `columns` of rigid_body.csv.
 std::string check_as_json(const Input& input, const CheckResult& result);
 } // namespace kedge

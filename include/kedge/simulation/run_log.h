@@ -85,8 +85,7 @@ private:
   RunSummary summary;
   RunSummary earlier; ///< times of the run that this one goes on from
   bool told_time_step = false, warned_of_time_step = false, warned_of_springs = false; ///< in this stage
-  double step_length = 1.;      ///< of the stage: s, or a fraction of the load
-  long long deleted_before = 0; ///< in earlier stages
+  double step_length = 1.; ///< of the stage: s, or a fraction of the load
   LostParticles told_lost;
   std::optional<PassageWatch> passage;
   bool has_warned_of_removed = false, has_warned_of_lost = false, has_warned_of_cut_domains = false,

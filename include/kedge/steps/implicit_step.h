@@ -81,9 +81,10 @@ private:
   Teuchos::RCP<TpetraVector> kept_unbalanced;    ///< N: what a step need not balance of its start's residual; or null
   double weight_norm = 0.;                       ///< N: what residuals are measured by where the input asks for it
   ForceMeasure force_measure;
-  double body_weight = 0., body_lever = 1.; ///< N, m: of all bodies
-  std::vector<double> body_levers;          ///< m: of each point
-  Eigen::VectorXd body_scale;               ///< N, N m: what residuals of the free dofs are compared with
+  std::vector<double> system_weights; ///< N: of the free points in the system of each point
+  std::vector<double> system_levers;  ///< m: the largest of theirs
+  std::vector<double> body_levers;    ///< m: of each point
+  Eigen::VectorXd body_scale;         ///< N, N m: what residuals of the free dofs are compared with
   StepLoad load;
   std::vector<Vector6> body_increments; ///< at the last evaluation, free dofs included
   PointForces acting_points;            ///< of contact, at the last evaluation

@@ -33,8 +33,8 @@ public:
   /// How the bodies move while each free dof grows.
   std::vector<RigidRate> rates(const std::vector<Vector6>& increments) const;
 
-  /// What the residual of each free dof is compared with: one weight (N) for all, for moments times `lever` (m).
-  Eigen::VectorXd scale(double weight, double lever) const;
+  /// What the residual of each free dof is compared with: the weight (N) of its point, for moments times the lever (m).
+  Eigen::VectorXd scale(const std::vector<double>& weights, const std::vector<double>& levers) const;
   /// The same by what acts on each dof: the sizes of the terms of its balance, for moments also the forces (N) on its
   /// point times the lever (m) of that point. So a light body does not hang in the air because another one is heavy.
   Eigen::VectorXd scale(const RigidBalance& balance, const std::vector<double>& forces,
@@ -48,8 +48,10 @@ public:
   Border border(const RigidBalance& balance, const Contact<dim>& contact, const std::vector<Vector6>& increments,
                 const System& system) const;
 
-  /// Springs (N/m, about an axis times `lever` squared, m) against every increment of y, in the tangent alone.
-  void hold(Border& border, double stiffness, double lever) const;
+  /// Springs (`per_weight`, 1/m, times the weight of the point, N; about an axis times the square of its lever, m)
+  /// against every increment of y, in the tangent alone.
+  void hold(Border& border, double per_weight, const std::vector<double>& weights,
+            const std::vector<double>& levers) const;
 
 private:
   std::vector<FreeDof> dofs;

@@ -47,6 +47,22 @@ def wall_friction_error(run):
     return np.max(np.abs(force / exact - 1.))
 
 
+def adhesion_error(run):
+    """Largest relative error of the force along a face of 45 degrees that slides along itself: the adhesion times the
+    length that cuts the soil, from its lower to its right end."""
+    start = run.input["rigid bodies"][0]["outline"][0]["polygon"][0]
+    length = np.sqrt(2.) * (run.input["material points"]["material size"]["max"][0] - (start[0] - start[1]))
+    force = (run.body("body1_reaction force_x") + run.body("body1_reaction force_z")) / np.sqrt(2.)
+    return np.max(np.abs(force / (run.input["contact"]["adhesion"] * length) - 1.))
+
+
+def idle_moment(run):
+    """Mean moment that turns a smooth round body in clay, over that of a rough one; its facets make it waver."""
+    outline = np.array(run.input["rigid bodies"][0]["outline"][0]["polygon"])
+    strength = run.input["material points"]["layers"][0]["material"]["undrained strength"]
+    return abs(np.mean(run.body("body1_reaction moment_y"))) / (0.5 * np.pi * np.ptp(outline[:, 0])**2 * strength)
+
+
 def reaction_growth(run):
     """Mean vertical force on the first body over the second half of the run, over the first force, less 1."""
     force = run.body("body1_reaction force_z")

@@ -1,4 +1,5 @@
 #include "rigid_fixtures.h"
+#include "shapes.h"
 #include <random>
 
 namespace kedge
@@ -156,6 +157,19 @@ TEST(RigidPoint, InertiaTurnsWithTheBody)
   RigidPoint point(parameters, {}, 3);
   point.pose = point.pose.moved(increment(Vector3d::Zero(), M_PI / 2. * Vector3d::UnitZ()));
   EXPECT_NEAR((point.world_inertia() - Vector3d(2., 1., 3.).asDiagonal().toDenseMatrix()).norm(), 0., 1e-14);
+}
+
+TEST(RigidSystems, ATurnTakesFarCornersFarther)
+{
+  RigidSystems systems;
+  systems.first_point.push_back(0);
+  systems.points.emplace_back(test::point_at({0., 0., 0.}, true), std::array<double, 3>{}, 3);
+  systems.surfaces.push_back({Surface(test::box({9., 0., 0.}, {10., 1., 1.})), 0});
+  const Vector3d shift(0.2, 0., 0.);
+  const auto apart = farthest_apart(systems, {increment(shift, {0., 0., 0.3})}, {increment(shift, {0., 0., 0.2})});
+  ASSERT_EQ(apart.size(), 1u);
+  EXPECT_NEAR(apart[0], 2. * std::hypot(10., 1.) * std::sin(0.05), 1e-12); // the chord of the outer edge
+  EXPECT_EQ(farthest_apart(systems, {increment(shift, shift)}, {increment(shift, shift)}), std::vector<double>{0.});
 }
 } // namespace
 } // namespace kedge

@@ -184,6 +184,24 @@ TEST(Surface, PointOnAnEdgeOrVertexHasThePseudoNormal)
   EXPECT_NEAR((vertex.normal - Vector3d(1., -1., -1.).normalized()).norm(), 0., 1e-15);
 }
 
+TEST(Surface, PartsEquallyNearFromInsideShareTheNormal)
+{
+  const Surface box(test::unit_box());
+  for (const double shift : {-1e-12, 0., 1e-12}) // round-off does not choose
+  {
+    const ClosestPoint edge = box.closest_point({0.25 + shift, 0.25, 0.5}), corner = box.closest_point({0.8, 0.2, 0.8});
+    EXPECT_NEAR(edge.gap, -0.25, 1e-11);
+    EXPECT_NEAR((edge.normal - Vector3d(-1., -1., 0.).normalized()).norm(), 0., 1e-14);
+    EXPECT_NEAR((corner.normal - Vector3d(1., -1., 1.).normalized()).norm(), 0., 1e-14);
+    EXPECT_NEAR((box.closest_point({0.25 + 1e-4, 0.25, 0.5}).normal + Vector3d::UnitY()).norm(), 0., 1e-14);
+  }
+  const Surface plate(test::box({0., 0., 0.}, {1., 1., 0.2}));
+  const Vector3d first = plate.closest_point({0.3, 0.6, 0.1}).normal; // half way through a plate either face will do
+  EXPECT_EQ(std::abs(first[2]), 1.);
+  for (const double shift : {-1e-12, 1e-12})
+    EXPECT_EQ(plate.closest_point({0.3, 0.6, 0.1 + shift}).normal, first);
+}
+
 TEST(Surface, BoundedQueryAgreesWithTheFullOne)
 {
   const Surface surface(test::angle_section());

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <kedge/base/communication.h>
+#include <tuple>
 
 using namespace kedge;
 
@@ -40,6 +41,21 @@ template <int dim> Forces<dim> forces_at(test::PressedBlock<dim>& block, const V
       for (unsigned int d = 0; d < dim; ++d)
         on_soil[dim * points.nodes[v] + d] += points.weights[v] * points.force[3 * i + d];
   return {on_soil, block.load()};
+}
+
+/// Gives the box a lower face that bends upwards about y, with a radius of twelve particles.
+template <int dim> void bend_lower_face(test::PressedBlock<dim>& block)
+{
+  constexpr int n = 120;
+  std::vector<std::array<double, 2>> outline;
+  for (int i = 0; i <= n; ++i)
+  {
+    const double x = -0.6 + 1.2 * i / n;
+    outline.push_back({x, x * x / 6.});
+  }
+  outline.push_back({0.6, 1.});
+  outline.push_back({-0.6, 1.});
+  block.bodies.surfaces[0].surface = Surface(extrude_outline(outline, "outline"));
 }
 
 /// By local dof, for a rate of the box.
@@ -139,11 +155,14 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBody)
 
 TYPED_TEST(ContactCouplings, AreTheDerivativesByTheBodyWhileReferencesFade)
 {
-  // below and above the surface, towards the soil and away from it
-  for (const auto& [compressed, share] : {std::pair(5e-3, 1.), {2e-2, 1.}, {2e-2, -0.2}})
+  // below and above the surface, towards the soil and away from it; in the end with a surface that bends
+  for (const auto& [compressed, share, bends] :
+       {std::tuple(5e-3, 1., false), {2e-2, 1., false}, {2e-2, -0.2, false}, {2e-2, 1., true}})
   {
     const Vector6 at = share * motion<TypeParam::value>();
     test::PressedBlock<TypeParam::value> block(0.4, 0.01);
+    if (bends)
+      bend_lower_face(block);
     std::vector<ContactRecord> records;
     block.find_pairs(0.1);
     block.evaluate_at_rest();
@@ -169,10 +188,14 @@ TYPED_TEST(ContactCouplings, AreTheDerivativesByTheSoil)
 
 TYPED_TEST(ContactCouplings, OfABondedBoxAreTheDerivatives)
 {
-  for (const TangentialLimit limit : {TangentialLimit::smaller, TangentialLimit::sum})
+  for (const auto& [limit, bends] :
+       {std::pair(TangentialLimit::smaller, false), {TangentialLimit::sum, false}, {TangentialLimit::smaller, true}})
   {
-    test::PressedBlock<TypeParam::value> block(0.4, 0.01);
-    const Vector6 rise = bond(block, limit);
+    test::PressedBlock<TypeParam::value> block(0.4, bends ? 0.05 : 0.01);
+    if (bends)
+      bend_lower_face(block);
+    Vector6 rise = bond(block, limit);
+    rise[2] += bends ? 0.02 : 0.;
     compare_by_the_body(block, rise);
     compare_by_the_soil(block, rise);
     long long pulls = 0, presses = 0;

@@ -133,7 +133,7 @@ TYPED_TEST(Interface, BondedSurfaceSlidesAtTheAdhesionWhereItPulls)
     typename TestFixture::Block block(0.5, depth);
     this->give(block, this->adhesive(2e3, limit, true));
     this->touch(block);
-    const double expected = 2e3 * this->area();
+    const double expected = 2e3 * std::pow(1.2, TypeParam::value - 1); // the face of the box, whatever corners carry
     EXPECT_NEAR(this->lift(block, 3e-3, -far)[0], expected, 1e-9 * expected);
   }
 }

@@ -85,7 +85,7 @@ template <int dim> struct PressedBlock : SoilFixture<dim>
     const std::vector<double> travel(particles.ids().size(), 0.);
     contact.find_pairs(bodies, table,
                        {particles.positions(), particles.half_widths(), particles.ids(), volumes, moduli, travel},
-                       nodes.number, reach);
+                       nodes.number, std::vector<double>(bodies.surfaces.size(), reach));
   }
 
   const Position& node_position(const unsigned int v) const { return mesh.leaves().node_position[nodes.mesh_node[v]]; }

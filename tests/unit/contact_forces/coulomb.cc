@@ -12,33 +12,46 @@ namespace
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// A soil point against the plane z = 0, a concave edge along t, or a vertex, both at the origin, with a body at rest.
+/// A soil point against the plane z = 0, a concave edge along t or a vertex, both at the origin, or a patch that bends
+/// away from z = 0 there, with a body at rest.
 struct Body
 {
   std::string name;
-  int held; ///< directions that the closest point cannot follow: 1 face, 2 edge, 3 vertex
+  int held; ///< directions that the closest point cannot follow: 1 face, 2 edge, 3 vertex; 0: a patch
 
   ContactGeometry at(const Vector3d& x, const Vector3d& start, const double reference) const
   {
     const Vector3d edge = Vector3d(1., 2., 0.5).normalized();
     ContactGeometry geometry;
     geometry.slip = x - start;
-    if (held == 1)
+    geometry.turning.setZero();
+    if (held == 0)
+    {
+      Matrix3d bend = Matrix3d::Zero();
+      bend.topLeftCorner<2, 2>() << 20., 5., 5., -10.;
+      const Vector3d gradient = Vector3d::UnitZ() + bend * x;
+      geometry.steepness = gradient.norm();
+      geometry.normal = gradient / geometry.steepness;
+      geometry.turning =
+          (Matrix3d::Identity() - geometry.normal * geometry.normal.transpose()) * bend / geometry.steepness;
+      geometry.gap = x[2] + 0.5 * x.dot(bend * x);
+    }
+    else if (held == 1)
     {
       geometry.normal = Vector3d::UnitZ();
-      geometry.distance = x[2];
-      geometry.normal_subspace = geometry.normal * geometry.normal.transpose();
+      geometry.gap = x[2];
     }
     else
     {
-      geometry.normal_subspace = Matrix3d::Identity();
+      Matrix3d subspace = Matrix3d::Identity();
       if (held == 2)
-        geometry.normal_subspace -= edge * edge.transpose();
-      const Vector3d offset = geometry.normal_subspace * x;
-      geometry.distance = -offset.norm();
-      geometry.normal = offset / geometry.distance;
+        subspace -= edge * edge.transpose();
+      const Vector3d offset = subspace * x;
+      geometry.gap = -offset.norm();
+      geometry.normal = offset / geometry.gap;
+      geometry.turning = (subspace - geometry.normal * geometry.normal.transpose()) / geometry.gap;
     }
-    geometry.gap = geometry.distance - reference;
+    geometry.gap -= reference;
     return geometry;
   }
 };
@@ -58,8 +71,8 @@ public:
   Vector3d random_point()
   {
     Vector3d x = random_vector(1e-2);
-    if (GetParam().held == 1)
-      x[2] = -std::abs(x[2]) - 1e-4;
+    if (GetParam().held <= 1)
+      x[2] = -std::abs(x[2]) - (GetParam().held == 1 ? 1e-4 : 3e-3);
     return x;
   }
 
@@ -85,7 +98,7 @@ public:
       };
       const double step = 1e-5 * x.norm();
       const ContactResponse response = respond(x);
-      if (!response.active || response.sliding != want_sliding || GetParam().at(x, start, 0.).distance > -1e-3)
+      if (!response.active || response.sliding != want_sliding || GetParam().at(x, start, 0.).gap > -1e-3)
         continue;
       Matrix3d differences;
       bool smooth = true;
@@ -110,7 +123,8 @@ private:
   std::mt19937 generator{1};
 };
 
-INSTANTIATE_TEST_SUITE_P(, Coulomb, testing::Values(Body{"face", 1}, Body{"edge", 2}, Body{"vertex", 3}),
+INSTANTIATE_TEST_SUITE_P(, Coulomb,
+                         testing::Values(Body{"face", 1}, Body{"edge", 2}, Body{"vertex", 3}, Body{"patch", 0}),
                          [](const auto& info) { return info.param.name; });
 } // namespace
 

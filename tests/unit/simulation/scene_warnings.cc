@@ -80,6 +80,19 @@ TEST(Warnings, BodiesThatBeginInTheSoil)
   expect_warning(warnings("strip-footing.json", {"rigid bodies.0.offset=[0, -0.1]"}), "surface 1 begins in the soil");
 }
 
+TEST(Warnings, BodiesThatAreOnAgainAfterAStageWithoutThem)
+{
+  Input input = read_input((input_files::root() / "prm/strip-footing.json").string(), {});
+  const Stage with_bodies = input.stages[0];
+  Stage without = with_bodies;
+  without.rigid_bodies = false;
+  const auto found = [&] { return find_warnings(input, make_rigid_systems(input.systems, input.dimension)); };
+  input.stages = {with_bodies, without, with_bodies};
+  expect_warning(found(), "stage 3 has the bodies \"on\" again");
+  input.stages = {without, with_bodies, with_bodies};
+  EXPECT_EQ(found(), std::vector<std::string>());
+}
+
 TEST(Warnings, FineBoxesOutsideTheGrid)
 {
   const auto with_box = [](const std::string& box)
