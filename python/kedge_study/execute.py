@@ -34,7 +34,7 @@ class Job:
     started: float = 0.
     before: object = None  # record of an interrupted run that goes on
     is_over_limit: bool = False  # told to end because it has used its CPU time
-    is_told: bool = False  # to end because the study is interrupted
+    is_told: bool = False  # to end: a second signal would do so without a restart file
 
     @property
     def seconds(self):
@@ -163,7 +163,7 @@ class Pool:
         if not pid:
             may_go_on = math.isinf(self.time_limit) or job.is_over_limit
             if not may_go_on and cpu_time_of_session(job.process.pid) > self.time_limit:
-                job.is_over_limit = True
+                job.is_over_limit = job.is_told = True
                 os.killpg(job.process.pid, signal.SIGTERM)
             return None
         job.process.returncode = os.waitstatus_to_exitcode(status)
@@ -190,6 +190,8 @@ class Pool:
                       datetime.date.today().isoformat(), words, job.estimate)
 
     def _stop(self, number, frame):
+        for job in self.running if self.interrupted else ():
+            job.is_told = False  # a second signal ends the runs at once, as it does alone
         self.interrupted = True
         self._terminate()
 

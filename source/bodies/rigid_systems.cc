@@ -120,7 +120,7 @@ std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned
 
 std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, const unsigned int dim)
 {
-  std::vector<SystemSize> sizes(systems.first_point.size());
+  std::vector<SystemSize> sizes(std::max<std::size_t>(1, systems.first_point.size()));
   std::vector<std::array<Eigen::Vector3d, 2>> boxes(sizes.size(), nothing);
   const std::vector<double> levers = levers_of_points(systems, dim);
   for (std::size_t i = 0; i < systems.points.size(); ++i)
@@ -149,7 +149,7 @@ std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, const unsi
 unsigned int system_of(const RigidSystems& systems, const unsigned int point)
 {
   const auto& first = systems.first_point;
-  return std::upper_bound(first.begin(), first.end(), point) - first.begin() - 1;
+  return first.empty() ? 0 : std::upper_bound(first.begin(), first.end(), point) - first.begin() - 1;
 }
 
 std::vector<double> farthest_apart(const RigidSystems& systems, const std::vector<Vector6>& increments,

@@ -120,7 +120,11 @@ std::vector<SoilBox> boxes_of(const ContactParticles<dim>& particles, const std:
 {
   std::vector<SoilBox> boxes;
   for (const NearBodies& one : near)
-    boxes.push_back({to_world<dim>(particles.centre[one.particle]), to_world<dim>(particles.half_width[one.particle])});
+  {
+    const Eigen::Vector3d x = to_world<dim>(particles.centre[one.particle]),
+                          half = to_world<dim>(particles.half_width[one.particle]);
+    boxes.push_back({{x[0], x[1], x[2]}, {half[0], half[1], half[2]}});
+  }
   return boxes;
 }
 
@@ -265,7 +269,8 @@ void Contact<dim>::find_pairs(const RigidSystems& bodies, const LeafTable<dim>& 
   has_searched = true;
 }
 
-template <int dim> void Contact<dim>::share_adhesion(const RigidSystems& bodies)
+template <int dim>
+void Contact<dim>::share_adhesion(const RigidSystems& bodies, const std::function<bool(const ContactPair&)>& carries)
 {
   const std::vector<InterfaceParameters> interfaces = interfaces_of(bodies, parameters);
   const auto host = pairs.on_host();
@@ -274,19 +279,27 @@ template <int dim> void Contact<dim>::share_adhesion(const RigidSystems& bodies)
     const double adhesion = interfaces[s].adhesion.value_or(0.);
     if (adhesion == 0.)
       continue;
-    std::vector<std::size_t> carrying; // those that touch only from now on keep the area of a face
+    std::vector<ContactPair*> carrying;
     std::vector<CarryingCorner> corners;
     for (std::size_t k = 0; k < n_pairs; ++k)
-      if (const ContactPair& pair = host(k);
-          pair.key.surface == s && (pair.committed.pressure > 0. || pair.committed.bonded))
+      if (ContactPair& pair = host(k); pair.key.surface == s)
       {
-        carrying.push_back(k);
-        corners.push_back({pair.start, pair.size, corner_area<dim>(pair.size)});
+        const double weight = corner_area<dim>(pair.size);
+        pair.stiffness.adhesion = adhesion * weight; // what touches only from now on keeps the share of a face
+        if (!carries(pair))
+          continue;
+        carrying.push_back(&pair);
+        corners.push_back({{pair.start[0], pair.start[1], pair.start[2]}, pair.size, weight});
       }
     const std::vector<double> area = share_area(bodies, bodies.surfaces[s], corners, boxes, dim, communicator);
     for (std::size_t i = 0; i < carrying.size(); ++i)
-      host(carrying[i]).stiffness.adhesion = adhesion * area[i];
+      carrying[i]->stiffness.adhesion = adhesion * area[i];
   }
+}
+
+template <int dim> void Contact<dim>::share_adhesion(const RigidSystems& bodies)
+{
+  share_adhesion(bodies, [](const ContactPair& pair) { return pair.committed.pressure > 0. || pair.committed.bonded; });
 }
 
 template <int dim>
@@ -322,12 +335,14 @@ template <int dim> void Contact<dim>::take_reference_gaps(const RigidSystems& bo
     pair.trial = pair.augmented = pair.committed;
     history[pair.key] = pair.committed;
   }
+  share_adhesion(bodies);
 }
 
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template void Contact<dim>::find_pairs(const RigidSystems&, const LeafTable<dim>&, const ContactParticles<dim>&,     \
                                          const std::vector<unsigned int>&, const std::vector<double>&);                \
   template void Contact<dim>::take_reference_gaps(const RigidSystems&);                                                \
+  template void Contact<dim>::share_adhesion(const RigidSystems&, const std::function<bool(const ContactPair&)>&);     \
   template void Contact<dim>::share_adhesion(const RigidSystems&);
 KEDGE_INSTANTIATE(2)
 KEDGE_INSTANTIATE(3)

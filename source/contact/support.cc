@@ -29,6 +29,13 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
                                    const std::function<void(std::vector<double>&)>& sum)
 {
   wake_all();
+  const auto find_closest = [&](const ContactPair& pair)
+  {
+    const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
+    const Pose& pose = bodies.points[welded.point].pose;
+    return welded.surface.closest_point_within(pose.to_body(pair.start), support_distance * pair.size);
+  };
+  share_adhesion(bodies, [&](const ContactPair& pair) { return find_closest(pair).has_value(); }); // what they may hold
   struct Carrier
   {
     ContactPair* pair;
@@ -49,11 +56,10 @@ void Contact<dim>::replace_support(const RigidSystems& bodies, std::vector<doubl
   for (std::size_t k = 0; k < n_pairs; ++k)
   {
     ContactPair& pair = host(k);
-    const WeldedSurface& welded = bodies.surfaces[pair.key.surface];
-    const Pose& pose = bodies.points[welded.point].pose;
-    const auto closest = welded.surface.closest_point_within(pose.to_body(pair.start), support_distance * pair.size);
+    const auto closest = find_closest(pair);
     if (!closest)
       continue;
+    const Pose& pose = bodies.points[bodies.surfaces[pair.key.surface].point].pose;
     carriers.push_back({&pair, closest->gap, pose.direction_to_world(closest->normal), Eigen::Vector3d::Zero()});
     for_each_dof(carriers.back(), [&](const std::size_t dof, unsigned int, const double w) { weight[dof] += w; });
   }

@@ -71,9 +71,9 @@ KEDGE_FUNCTION Eigen::Vector3d normal_near(const Eigen::Vector3d& place, const S
 KEDGE_FUNCTION Eigen::Matrix3d find_bend(const ContactPair& pair, const SurfaceMotion& surface)
 {
   const Eigen::Vector3d& n = pair.patch.normal;
-  const Eigen::Vector3d first = n.unitOrthogonal();
+  const Eigen::Vector3d first = n.unitOrthogonal(), directions[2] = {first, n.cross(first)};
   Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& along : {first, Eigen::Vector3d(n.cross(first))})
+  for (const Eigen::Vector3d& along : directions)
   {
     const double length = bends_within * pair.size;
     const Eigen::Vector3d step = length * along;
@@ -87,7 +87,8 @@ KEDGE_FUNCTION Eigen::Matrix3d find_bend(const ContactPair& pair, const SurfaceM
 }
 
 /// The patch as the corner sees it after its slip d since the patch touched the surface, at n with the bend B:
-/// gap + n d + d B d / 2, the distance from a bent surface up to terms of third order.
+/// gap + n d + d B d / 2, the distance from a bent surface up to terms of third order, the gap being as small as the
+/// slip.
 KEDGE_FUNCTION SurfacePart part_of_patch(const ContactPair& pair)
 {
   const Eigen::Vector3d &n = pair.patch.normal, d = pair.slip - pair.patch_slip, bent = pair.bend * d;

@@ -7,7 +7,7 @@ namespace kedge
 {
 namespace
 {
-constexpr unsigned int format_version = 2;
+constexpr unsigned int format_version = 3;
 
 /// What the particles need besides what every stress update writes.
 template <typename Archive> void transfer(Archive& archive, ParticleArrays& particles)

@@ -63,6 +63,13 @@ void check_soil(const Input& input, const Place& root)
                     "material points, " +
                     shown(spacing) + " m",
                 "thicken it or reduce \"element size\"");
+  for (std::size_t i = 0; i < input.material_points.layers.size(); ++i)
+    if (input.material_points.layers[i].material.overburden && !(input.gravity[input.dimension - 1] < 0.))
+      layers.entry(i)
+          .key("material")
+          .key("E overburden")
+          .fail("the weight above a material point sets its stiffness, but gravity does not point down",
+                "remove it, or let \"gravity\" point down");
   const SteppingParameters& first = input.stages.front().stepping;
   if (input.material_points.K0 && first.type == StageType::static_ && first.load == GravityLoad::ramp)
     root.key("analysis")

@@ -133,10 +133,13 @@ template <int dim> void ImplicitStep<dim>::weigh_bodies()
 {
   const double g = Eigen::Map<const Eigen::Vector3d>(context.gravity.data()).norm();
   const std::vector<SystemSize> sizes = sizes_of_systems(context.bodies, dim);
+  double all = 0.; // where a system has no mass
+  for (const RigidPoint& point : context.bodies.points)
+    all += point.mass;
   for (std::size_t i = 0; i < context.bodies.points.size(); ++i)
   {
     const SystemSize& size = sizes[system_of(context.bodies, i)];
-    system_weights.push_back(g * size.free_mass);
+    system_weights.push_back(g * (size.free_mass > 0. ? size.free_mass : all));
     system_levers.push_back(size.lever > 0. ? size.lever : 1.);
   }
   body_levers = levers_of_points(context.bodies, dim);

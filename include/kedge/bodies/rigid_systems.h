@@ -62,7 +62,7 @@ struct SystemSize
 };
 std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, unsigned int dim);
 
-/// The system of a point; both are numbered from 0, points over all systems.
+/// The system of a point; both are numbered from 0, points over all systems. Where no systems are told there is one.
 unsigned int system_of(const RigidSystems& systems, unsigned int point);
 
 /// Largest distance between where two increments of rigid points take a surface, m, by rigid point.

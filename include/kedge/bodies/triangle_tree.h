@@ -182,8 +182,8 @@ struct TriangleTree
   KEDGE_FUNCTION surface_tree::Nearest nearest(const Eigen::Vector3d& x, double squared_limit, bool any = false) const;
   KEDGE_FUNCTION ClosestPoint describe(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
   /// The same where several parts of the surface may be equally near, as inside a body on the bisector of an edge: then
-  /// the normal is the mean of theirs. Where they cancel, as half way through a plate, the triangle with the least
-  /// number counts. Outside, where a body touches nothing, any will do.
+  /// the normal is the mean of theirs, and `point` lies where its perpendicular ends. Where they cancel, as half way
+  /// through a plate, or are many, as on the axis of a cylinder, the triangle with the least number counts.
   KEDGE_FUNCTION ClosestPoint describe_all(const Eigen::Vector3d& x, const surface_tree::Nearest& nearest) const;
   /// Whether gap <= distance, up to `margin` of it, for distance >= 0: what find_within() finds out, in less time where
   /// the gap does not matter.
@@ -270,7 +270,7 @@ KEDGE_FUNCTION ClosestPoint TriangleTree::describe_all(const Eigen::Vector3d& x,
                                                        const surface_tree::Nearest& nearest) const
 {
   const ClosestPoint closest = describe(x, nearest);
-  if (!(closest.gap < -tiny))
+  if (!(std::fabs(closest.gap) > tiny))
     return closest;
   ClosestPoint first = closest;
   const double limit = (1. + same_distance) * nearest.squared_distance;
@@ -308,7 +308,7 @@ KEDGE_FUNCTION ClosestPoint TriangleTree::describe_all(const Eigen::Vector3d& x,
   if (n_feet == 1)
     return closest;
   const double length = sum.norm();
-  if (length < margin)
+  if (length < margin || n_feet == most_feet)
     return first;
   const Eigen::Vector3d normal = sum / length;
   return {closest.gap, x - closest.gap * normal, normal, Feature::face, Eigen::Vector3d::Zero(), first.triangle,

@@ -68,10 +68,10 @@ public:
   void replace_support(const RigidSystems& bodies, std::vector<double> missing,
                        const std::function<void(std::vector<double>&)>& sum);
 
-  /// Goes back to the multipliers, tangential forces and planes that the step started with.
+  /// Goes back to the multipliers, tangential forces and patches that the step started with.
   void reset_multipliers();
   /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones. From
-  /// then on the surface is the plane that touches it where it was closest in that evaluation: the aim is a distance of
+  /// then on the surface is the patch that touches it where it was closest in that evaluation: the aim is a distance of
   /// zero, where the normal at an edge or a vertex is any.
   void augment(double factor);
   /// Takes the tangential forces of the last evaluation for those from which the next one starts: friction follows the
@@ -166,6 +166,8 @@ private:
   ContactArrays& on_device();
   void make_room_for_pairs(std::size_t most);
   /// Gives corners that carry surfaces with adhesion the area that they stand for. Collective.
+  void share_adhesion(const RigidSystems& bodies, const std::function<bool(const ContactPair&)>& carries);
+  /// The same for those that pressed or were bonded at the end of the last step. Collective.
   void share_adhesion(const RigidSystems& bodies);
   /// Gives a pair what it remembers.
   void remember(ContactPair& pair, const RigidSystems& bodies, bool contact_goes_on) const;

@@ -13,7 +13,7 @@ struct ContactStiffness
 {
   double normal, tangential; ///< N/m
   double friction;           ///< Coulomb coefficient
-  double adhesion = 0.;      ///< N: adhesion times the corner's share of the particle's face
+  double adhesion = 0.;      ///< N: adhesion times the area that the corner stands for
   TangentialLimit limit = TangentialLimit::friction;
 };
 

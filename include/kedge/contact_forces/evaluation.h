@@ -68,7 +68,7 @@ void add_contact_coupling(unsigned int dim, const ContactArrays& contact, const 
                           unsigned int rigid_point, const Vector6& direction, double factor,
                           const View<double*>& by_body, const View<double*>& by_soil);
 
-/// Goes back to the multipliers, tangential forces and planes that the step started with.
+/// Goes back to the multipliers, tangential forces and patches that the step started with.
 void reset_multipliers(const ContactArrays& contact, std::size_t n_pairs);
 /// Takes the forces of the last evaluation as multipliers; `factor` times what that changes in the normal ones.
 void augment(const ContactArrays& contact, std::size_t n_pairs, double factor);
