@@ -97,6 +97,15 @@ double diagonal_of(const std::array<Eigen::Vector3d, 2>& box, const unsigned int
     diagonal[1] = 0.;
   return box[0][0] <= box[1][0] ? diagonal.norm() : 0.;
 }
+
+/// Bounds of the surfaces of each point; empty for points without one.
+std::vector<std::array<Eigen::Vector3d, 2>> bounds_of_points(const RigidSystems& systems)
+{
+  std::vector<std::array<Eigen::Vector3d, 2>> boxes(systems.points.size(), nothing);
+  for (const WeldedSurface& welded : systems.surfaces)
+    include(boxes[welded.point], world_bounds(systems, welded));
+  return boxes;
+}
 } // namespace
 
 std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
@@ -109,11 +118,8 @@ std::array<Eigen::Vector3d, 2> world_bounds(const RigidSystems& systems)
 
 std::vector<double> levers_of_points(const RigidSystems& systems, const unsigned int dim)
 {
-  std::vector<std::array<Eigen::Vector3d, 2>> boxes(systems.points.size(), nothing);
-  for (const WeldedSurface& welded : systems.surfaces)
-    include(boxes[welded.point], world_bounds(systems, welded));
   std::vector<double> levers;
-  for (const auto& box : boxes)
+  for (const auto& box : bounds_of_points(systems))
     levers.push_back(0.5 * diagonal_of(box, dim));
   return levers;
 }
@@ -122,22 +128,23 @@ std::vector<SystemSize> sizes_of_systems(const RigidSystems& systems, const unsi
 {
   std::vector<SystemSize> sizes(std::max<std::size_t>(1, systems.first_point.size()));
   std::vector<std::array<Eigen::Vector3d, 2>> boxes(sizes.size(), nothing);
-  const std::vector<double> levers = levers_of_points(systems, dim);
+  const std::vector<std::array<Eigen::Vector3d, 2>> box_of_point = bounds_of_points(systems);
   for (std::size_t i = 0; i < systems.points.size(); ++i)
-    if (systems.points[i].n_free_dofs() > 0)
-    {
-      SystemSize& size = sizes[system_of(systems, i)];
-      const RigidPoint& point = systems.points[i];
-      size.free_mass += point.mass;
-      const double gyration =
-          point.mass > 0. ? std::sqrt(point.world_inertia().diagonal().maxCoeff() / point.mass) : 0.;
-      size.lever = std::max(size.lever, levers[i] > 0. ? levers[i] : gyration);
-    }
+  {
+    const unsigned int system = system_of(systems, i);
+    include(boxes[system], box_of_point[i]);
+    const RigidPoint& point = systems.points[i];
+    if (point.n_free_dofs() == 0)
+      continue;
+    SystemSize& size = sizes[system];
+    size.free_mass += point.mass;
+    const double gyration = point.mass > 0. ? std::sqrt(point.world_inertia().diagonal().maxCoeff() / point.mass) : 0.;
+    const double lever = 0.5 * diagonal_of(box_of_point[i], dim);
+    size.lever = std::max(size.lever, lever > 0. ? lever : gyration);
+  }
   for (const WeldedSurface& welded : systems.surfaces)
   {
-    const unsigned int system = system_of(systems, welded.point);
-    include(boxes[system], world_bounds(systems, welded));
-    double& farthest = sizes[system].farthest;
+    double& farthest = sizes[system_of(systems, welded.point)].farthest;
     for (const Eigen::Vector3d& vertex : welded.surface.mesh().vertices)
       farthest = std::max(farthest, dim == 2 ? std::hypot(vertex[0], vertex[2]) : vertex.norm());
   }

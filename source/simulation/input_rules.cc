@@ -199,6 +199,7 @@ void check_weight(const Stage& stage, const Input& input, const Place& systems)
         "give \"domain.gravity\" a direction, fix the bodies in every stage, or measure convergence by the forces "
         "(leave \"tolerance\" out)");
 }
+
 /// The key may stand at "contact" and the adhesion at a surface, or the other way round.
 void check_tangential_limits(const Input& input, const Place& root)
 {

@@ -163,7 +163,7 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
   const auto scope = context.timings.measure("contact search");
   const RigidSystems& bodies = context.bodies;
   const std::vector<SystemSize> sizes = sizes_of_systems(bodies, dim);
-  const double pushed = largest_prescribed_motion(bodies);
+  const double pushed = whole.dt == 0. ? largest_prescribed_motion(bodies) : 0.;
   std::vector<double> reach(sizes.size(), 0.); // joints move one body of a system by another
   for (std::size_t i = 0; i < bodies.points.size(); ++i)
   {
@@ -175,7 +175,7 @@ void find_contact_pairs(const StepContext<dim>& context, const ActiveNodes& node
     double distance = expected.head<3>().norm() + expected.tail<3>().norm() * lever;
     if (moves_freely) // it may speed up
       distance = 2. * distance + whole.gravity.norm() * whole.dt * whole.dt;
-    if (moves_freely && whole.dt == 0.) // others may push it through the soil
+    if (moves_freely) // at rest others may push it through the soil
       distance = std::max(distance, pushed);
     reach[system] = std::max(reach[system], distance);
   }
