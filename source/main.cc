@@ -34,6 +34,7 @@ struct Arguments
 /// `dumps`: up to the step whose linear system is to be written.
 ExitCode run(const Arguments& arguments, const bool dumps)
 {
+  std::signal(SIGPIPE, SIG_IGN); // a run goes on when nobody reads its progress any more
   kedge::Input input;
   kedge::agree(MPI_COMM_WORLD,
                [&]

@@ -1,8 +1,18 @@
+#include <algorithm>
+#include <cmath>
 #include <kedge/bodies/explicit_motion.h>
 #include <kedge/bodies/rigid_newton.h>
 
 namespace kedge
 {
+namespace
+{
+/// What joints would have of energy, beyond a quadratic function of the motion, if their points went on without them
+/// for a part of a drift: over the energy of motion and joints of their system.
+constexpr double most_bent = 1e-6;
+constexpr double most_parts = 256.;
+} // namespace
+
 ExplicitMotion::ExplicitMotion(const RigidSystems& committed, const bool begins_stage)
     : knows_accelerations(!begins_stage)
 {
@@ -16,35 +26,65 @@ ExplicitMotion::ExplicitMotion(const RigidSystems& committed, const bool begins_
   }
 }
 
-void ExplicitMotion::kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, const double time)
+void ExplicitMotion::kick(const BodyLoads& loads, const double time)
 {
-  for (std::size_t i = 0; i < moving.points.size(); ++i)
-  {
-    RigidPoint& point = moving.points[i];
-    if (point.n_free_dofs() == 0)
-      continue;
-    Vector6 load = loads.empty() ? Vector6::Zero() : loads[i];
-    load.head<3>() += point.mass * gravity;
-    apply_impulse(point, time * load);
-  }
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    if (RigidPoint& point = moving.points[i]; point.n_free_dofs() > 0)
+      apply_impulse(point, time * loads[i]);
 }
 
-std::string ExplicitMotion::drift(const double fraction, const double time)
+unsigned int ExplicitMotion::count_parts(const Eigen::Vector3d& gravity, const double fraction, const double time) const
 {
-  RigidStep step;
-  step.fraction = fraction;
-  step.dt = time;
-  if (!knows_accelerations) // RigidStep explains this pair
+  const std::size_t n_systems = std::max<std::size_t>(1, moving.first_point.size());
+  std::vector<double> energy(n_systems, 0.), bent(n_systems, 0.);
+  std::vector<Vector6> alone;
+  for (std::size_t i = 0; i < moving.points.size(); ++i)
   {
-    step.beta = 0.5;
-    step.gamma = 1.;
+    const RigidPoint& point = moving.points[i];
+    alone.push_back(point.prescribed_increment(fraction));
+    for (unsigned int d = 0; d < 6; ++d)
+      if (point.is_free(d))
+        alone[i][d] = time * (point.velocity[d] + (d < 3 ? 0.5 * time * gravity[d] : 0.));
+    if (point.n_free_dofs() > 0)
+      energy[system_of(moving, i)] += 0.5 * momentum(point).dot(point.velocity);
   }
-  knows_accelerations = true;
+  for (const Joint& joint : moving.joints)
+  {
+    const auto [a, b] = joint.points;
+    const std::array<Pose, 2> poses{moving.points[a].pose, moving.points[b].pose};
+    const JointResponse now = evaluate_joint(joint, poses, {Vector6::Zero(), Vector6::Zero()});
+    Vector12 both;
+    both << alone[a], alone[b];
+    const double quadratic = now.energy + both.dot(now.force + 0.5 * now.tangent * both);
+    energy[system_of(moving, a)] += now.energy;
+    bent[system_of(moving, a)] += std::abs(evaluate_joint(joint, poses, {alone[a], alone[b]}).energy - quadratic);
+  }
+  double parts = 1.;
+  for (std::size_t s = 0; s < n_systems; ++s)
+    if (bent[s] > most_bent * energy[s])
+      parts = std::max(parts, std::pow(bent[s] / (most_bent * energy[s]), 0.25));
+  return std::ceil(std::min(parts, most_parts));
+}
+
+std::string ExplicitMotion::drift(const Eigen::Vector3d& gravity, const double fraction, const double time)
+{
+  const unsigned int n_parts = count_parts(gravity, fraction, time);
+  RigidStep step;
+  step.gravity = gravity;
+  step.fraction = fraction / n_parts;
+  step.dt = time / n_parts;
   passed += time;
-  const RigidSolution solution = solve_rigid_motion(moving, step);
-  if (solution.converged)
+  for (unsigned int i = 0; i < n_parts; ++i)
+  {
+    step.beta = knows_accelerations ? RigidStep().beta : 0.5; // RigidStep explains this pair
+    step.gamma = knows_accelerations ? RigidStep().gamma : 1.;
+    knows_accelerations = true;
+    const RigidSolution solution = solve_rigid_motion(moving, step);
+    if (!solution.converged)
+      return solution.failure;
     commit_increments(moving, step, solution.increments);
-  return solution.failure;
+  }
+  return "";
 }
 
 std::vector<Vector6> ExplicitMotion::increments() const

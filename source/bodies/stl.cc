@@ -44,10 +44,10 @@ TriangleMesh parse_binary(std::string_view content, const std::string& json_path
         fmt::format("{}: truncated: announces {} triangles but ends within triangle {}", file, announced, held + 1),
         "copy or export the file again");
   if (content.size() > header_size + facet_size * announced)
-    throw InputError(
-        json_path,
-        fmt::format("{}: not a binary STL: announces {} triangles but has room for {}", file, announced, held),
-        "export the file again");
+    throw InputError(json_path,
+                     fmt::format("{}: not a binary STL: announces {} triangles, but {} bytes follow them", file,
+                                 announced, content.size() - header_size - facet_size * announced),
+                     "export the file again");
 
   TriangleMesh soup;
   for (std::size_t t = 0; t < announced; ++t)

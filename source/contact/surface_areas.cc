@@ -23,6 +23,9 @@ constexpr double looked_for_at = 0.6, widened = 1.2;
 /// What a corner may stand for, in its weights: the lone tips of the steepest staircases stand for little less. Corners
 /// that are about to lose the surface do not take over all that others have lost.
 constexpr double most_weights[] = {3., 8.}; // in the plane, in space
+/// Lengths that differ by less than this share are equal, so that round-off, which ranks do not have in common, does
+/// not choose where a part is halved.
+constexpr double equal_lengths = 1e-9;
 /// Others know of a corner or a box so far around their own, in the size of the largest particle.
 constexpr double known_within = 8.;
 
@@ -67,7 +70,7 @@ struct Part
   {
     unsigned int first = 0;
     for (unsigned int i = 1; i < n; ++i)
-      if (length(i) > length(first))
+      if (length(i) > (1. + equal_lengths) * length(first))
         first = i;
     return first;
   }
@@ -205,7 +208,7 @@ public:
       if (!reaches(mine, bounds))
         continue;
       const unsigned int i = now.longest(), j = (i + 1) % now.n;
-      if (now.length(i) <= piece_length * smallest_near(bounds, now.length(i)))
+      if (now.length(i) <= (1. + equal_lengths) * piece_length * smallest_near(bounds, now.length(i)))
       {
         share(now);
         continue;
@@ -229,7 +232,7 @@ private:
   /// Size of the smallest particle whose corner reaches into a box; zero for parts that are too long for any.
   double smallest_near(const Box& bounds, const double length) const
   {
-    if (length > piece_length * largest)
+    if (length > (1. + equal_lengths) * piece_length * largest)
       return 0.;
     double smallest = largest;
     std::for_each(all.qbegin(boost::geometry::index::intersects(bounds)), all.qend(),

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <functional>
 #include <kedge/base/report.h>
@@ -85,6 +86,11 @@ void add_vector(CLI::App& body, const std::string& name, Eigen::Vector3d& value,
   const auto assign = [&value](const std::vector<double>& x) { value = {x[0], x[1], x[2]}; };
   body.add_option_function<std::vector<double>>(name, assign, meaning)
       ->expected(3)
+      ->check(CLI::Number)
+      ->check(CLI::Validator(
+          [](const std::string& text)
+          { return std::isfinite(std::strtod(text.c_str(), nullptr)) ? std::string() : text + " is not finite"; },
+          "FINITE"))
       ->default_str(fmt::format("{:g} {:g} {:g}", value[0], value[1], value[2]));
 }
 

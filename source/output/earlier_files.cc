@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 /// Name, step and perhaps rank, as OutputWriter joins them.
 const std::string series = "(mps_[0-9]+|mesh|body|surface|tracked)";
 const std::regex vtk_moment(series + "_([0-9]{5,10})(_[0-9]+)?\\.p?vtu"), vtk_list(series + "\\.pvd"),
-    csv_moment("(mps_[0-9]+)_([0-9]{5,10})\\.csv"), csv_list("rigid_body\\.csv"),
+    csv_moment("(mps_[0-9]+)_([0-9]{5,10})\\.csv"), csv_list("rigid_body(-[0-9]+)?\\.csv"),
     draft(".*\\.(csv|p?vtu|pvd)\\.new"); // of a run that was killed
 
 /// Taken before any of them is removed.

@@ -159,7 +159,9 @@ void BodyHistory::resume_after(unsigned int step)
     if (!lines.eof() && is_step && std::stoul(last) <= step)
       kept += line + "\n";
   }
-  is_begun = true;
+  is_begun = kept.size() > kept_names.size();
+  if (!is_begun) // no row, so it may have other columns
+    kept_names.clear();
   if (text.compare(0, kept.size(), kept) != 0)
     return replace_text_file(path, kept);
   // Rows that go are the last ones, as a rule; then the file needs no more room, which a full disk may not have.
@@ -176,8 +178,7 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
   if (line_of_names.empty())
     line_of_names = fmt::format("{}\n", fmt::join(history_columns(bodies, fields), ","));
   if (!kept_names.empty() && kept_names != line_of_names)
-    throw FileError(path,
-                    "has other columns than this run; restart with the \"csv rigid body fields\" of the first run");
+    set_aside();
   kept_names.clear();
   fmt::memory_buffer row;
   const auto end = fmt::appender(row);
@@ -207,6 +208,22 @@ void BodyHistory::append(const RigidSystems& bodies, const std::vector<Vector6>&
   else
     ++n_lost;
   write(); // A row must survive even if the run crashes.
+}
+
+/// The table of the earlier run, whose columns are others.
+void BodyHistory::set_aside()
+{
+  const std::filesystem::path table(path);
+  std::string name;
+  for (unsigned int i = 1; name.empty() || std::filesystem::exists(name); ++i)
+    name =
+        (table.parent_path() / fmt::format("{}-{}{}", table.stem().string(), i, table.extension().string())).string();
+  std::error_code error;
+  std::filesystem::rename(path, name, error);
+  if (error)
+    throw FileError(path, "has other columns than this run and cannot be renamed: " + error.message());
+  is_begun = false;
+  earlier_table = name;
 }
 
 unsigned int BodyHistory::count_waiting() const

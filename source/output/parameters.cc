@@ -66,7 +66,7 @@ Section<SeriesParameters> series_section(const std::string& name)
       .needed_for(name, {"on"});
   section
       .required(name + " percent", &P::percent, number("%", not_negative().at_most(100.)),
-                "Converged steps between files, as a share of the stage's steps; 0: every step")
+                "Steps between files, as a share of the stage's steps; 0: every converged step or part of one")
       .needed_for(name, {"on"});
   section.optional(name + " material point fields", &P::particle_fields, names(particle_field_names()),
                    "Fields written of material points; [] = none", particle_field_names());

@@ -24,6 +24,7 @@ template <int dim>
 OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::string& run_directory,
                                 const std::vector<std::vector<StateVariable>>& states, MPI_Comm communicator_)
     : parameters(parameters_),
+      run_folder(run_directory),
       n_layers(states.size()),
       communicator(communicator_),
       vtk_folder((std::filesystem::path(run_directory) / parameters.vtk.directory).string()),
@@ -39,21 +40,21 @@ OutputWriter<dim>::OutputWriter(const OutputParameters& parameters_, const std::
     vtk_particle_fields.push_back(select_particle_fields<dim>(parameters.vtk.particle_fields, of_law));
     csv_particle_fields.push_back(select_particle_fields<dim>(parameters.csv.particle_fields, of_law));
   }
+}
+
+template <int dim> void OutputWriter<dim>::keep_until(const unsigned int step)
+{
   agree(communicator,
         [&]
         {
           if (rank_of(communicator) != 0)
             return;
-          create_folder(run_directory);
+          create_folder(run_folder);
           if (parameters.vtk.on)
             create_folder(vtk_folder);
           if (parameters.csv.on)
             create_folder(csv_folder);
         });
-}
-
-template <int dim> void OutputWriter<dim>::keep_until(const unsigned int step)
-{
   if (step > 0)
     resumed = vtk_step = csv_step = step;
   const auto keep = [&]
@@ -76,15 +77,12 @@ template <int dim> void OutputWriter<dim>::begin_stage(unsigned int n_steps)
 }
 
 template <int dim>
-void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage,
-                                     bool last_of_stage)
+void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, const StepSpan& step, bool last_of_stage)
 {
   if (rows_wait)
     write_rows([&] { history.write(); });
-  const bool vtk =
-      parameters.vtk.on && vtk_step != state.step && vtk_schedule.due(converged_steps_in_stage, last_of_stage);
-  const bool csv =
-      parameters.csv.on && csv_step != state.step && csv_schedule.due(converged_steps_in_stage, last_of_stage);
+  const bool vtk = parameters.vtk.on && vtk_step != state.step && vtk_schedule.due(step, last_of_stage);
+  const bool csv = parameters.csv.on && csv_step != state.step && csv_schedule.due(step, last_of_stage);
   if (!vtk && !csv)
     return;
   if (vtk)
@@ -148,6 +146,8 @@ template <int dim> void OutputWriter<dim>::write_rows(const std::function<void()
   };
   const std::string problem = try_to_write("output", [&] { agree(communicator, work); });
   rows_wait = !problem.empty();
+  if (const std::string earlier = history.take_earlier_table(); !earlier.empty())
+    warnings.push_back("rigid_body.csv has other columns from here on; the rows before are in " + earlier);
   if (rows_wait && !waited)
     warnings.push_back(problem + "; its rows wait in memory and follow when there is room: free some");
   if (!rows_wait && waited)

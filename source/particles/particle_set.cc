@@ -156,9 +156,10 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
   const std::vector<Place>& order = mirror.order;
   const auto displacement = copy_to_host(increments.displacement);
   const auto dF = copy_to_host(increments.deformation_gradient);
-  const auto velocity_change = copy_to_host(increments.motion.velocity_change);
-  const auto acceleration = copy_to_host(increments.motion.acceleration);
-  const bool moves = increments.motion.acceleration.extent(0) > 0;
+  const bool moves = increments.motion.has_value(); // also where this rank's particles all wait
+  const ParticleMotion motion = increments.motion.value_or(ParticleMotion());
+  const auto velocity_change = copy_to_host(motion.velocity_change);
+  const auto acceleration = copy_to_host(motion.acceleration);
   const auto copies = host_copies(mirror.arrays, true);
 
   for (std::size_t p = 0; p < order.size(); ++p)

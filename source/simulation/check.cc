@@ -3,6 +3,7 @@
 #include <kedge/output/history.h>
 #include <kedge/parameters/json.h>
 #include <kedge/simulation/check.h>
+#include <kedge/simulation/layout.h>
 #include <kedge/simulation/scene_warnings.h>
 #include <kedge/simulation/version.h>
 
@@ -34,6 +35,7 @@ std::string format_check(const Input& input, const CheckResult& result, const st
   std::string text = name + ": valid\n";
   for (const std::string& warning : result.warnings)
     text += "warning: " + warning + "\n";
+  text += "Soil: " + describe_block(input).text + ".\n";
   return text + format_estimate(input, result.stages);
 }
 

@@ -46,7 +46,7 @@ template <int dim> void Simulation<dim>::save_what_is_there(const Clock& clock)
 {
   if (log.steps_in_stage() == 0)
     return;
-  write_or_warn("last output", [&] { write_output(clock, true); });
+  write_or_warn("last output", [&] { write_output(clock, clock.steps_done(), true); });
   write_or_warn("last restart file", [&] { save_failed_state(clock); });
   write_or_warn("end of output", [&] { finish_output(); });
 }

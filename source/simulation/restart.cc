@@ -6,6 +6,7 @@
 #include <kedge/base/exceptions.h>
 #include <kedge/base/failure.h>
 #include <kedge/output/checkpoint.h>
+#include <kedge/output/text_file.h>
 #include <kedge/simulation/version.h>
 #include <nlohmann/json.hpp>
 
@@ -27,11 +28,28 @@ std::string input_for_any_folder(const Input& input)
 }
 
 std::string name_of_program() { return fmt::format("Kedge {} (commit {})", version(), commit()); }
+
+std::string copy_of_input(const RunOptions& options)
+{
+  return (std::filesystem::path(options.output_directory) / "input.json").string();
+}
 } // namespace
+
+void refuse_to_replace_input(const Input& input, const RunOptions& options)
+{
+  const std::string copy = copy_of_input(options);
+  std::error_code error;
+  if (!std::filesystem::equivalent(copy, options.input_file, error) || error)
+    return;
+  if (nlohmann::json::parse(read_text_file(copy), nullptr, false) != nlohmann::json::parse(input_for_any_folder(input)))
+    throw InputError("--output", fmt::format("{} is your input file, and the run would replace it by its effective "
+                                             "input; choose another folder with --output, or rename the file",
+                                             copy));
+}
 
 template <int dim> void Simulation<dim>::copy_input()
 {
-  const std::string copy = (std::filesystem::path(options.output_directory) / "input.json").string();
+  const std::string copy = copy_of_input(options);
   const auto write = [&]
   {
     if (rank_of(MPI_COMM_WORLD) == 0)
@@ -65,13 +83,16 @@ template <int dim> void Simulation<dim>::resume()
   log.report().line(fmt::format("going on after step {} from {}", step_number, start.path));
 }
 
-template <int dim> void Simulation<dim>::write_output(const Clock& clock, const bool even_if_not_due)
+/// `steps_before`: progress of the stage before the step that has led here.
+template <int dim>
+void Simulation<dim>::write_output(const Clock& clock, const double steps_before, const bool even_if_not_due)
 {
   const auto scope = log.timings().measure("output");
-  const double time = clock.steps_done() * step_length(stage->stepping);
+  const double steps = clock.at_end() ? requested_steps(stage->stepping) : clock.steps_done(); // not rounded to ticks
+  const double time = steps * step_length(stage->stepping);
   writer.write_if_due({soil.particles(), soil.mesh(), bodies, reactions, touches, stage_number + 1, step_number, time,
                        finished_time + time},
-                      log.steps_in_stage(), clock.at_end() || even_if_not_due);
+                      {steps_before, clock.steps_done()}, clock.at_end() || even_if_not_due);
   pass_on(writer.take_warnings());
 }
 
@@ -149,7 +170,7 @@ template <int dim> void Simulation<dim>::save_failed_state(const Clock& clock)
 
 template void Simulation<2>::copy_input();
 template void Simulation<2>::resume();
-template void Simulation<2>::write_output(const Clock&, bool);
+template void Simulation<2>::write_output(const Clock&, double, bool);
 template void Simulation<2>::finish_output();
 template void Simulation<2>::pass_on(const std::vector<std::string>&);
 template bool Simulation<2>::save_if_due(const Clock&);
@@ -157,7 +178,7 @@ template void Simulation<2>::write_or_warn(const std::string&, const std::functi
 template void Simulation<2>::save_failed_state(const Clock&);
 template void Simulation<3>::copy_input();
 template void Simulation<3>::resume();
-template void Simulation<3>::write_output(const Clock&, bool);
+template void Simulation<3>::write_output(const Clock&, double, bool);
 template void Simulation<3>::finish_output();
 template void Simulation<3>::pass_on(const std::vector<std::string>&);
 template bool Simulation<3>::save_if_due(const Clock&);

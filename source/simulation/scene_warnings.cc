@@ -238,7 +238,7 @@ void add_warnings_about_pauses(const Input& input, std::vector<std::string>& war
   }
 }
 
-/// Where a body goes too far in a step for the cells at it.
+/// Where a body goes too far in a step for the cells at it. Throws InputError where no parts of steps are short enough.
 template <int dim>
 void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, std::vector<std::string>& warnings)
 {
@@ -248,6 +248,7 @@ void add_warnings_about_steps(const Input& input, const GridLayout<dim>& grid, s
     const Stage& stage = input.stages[i];
     apply_conditions(bodies, input.systems, stage.point_conditions, dim);
     const StepLimit limit = find_step_limit(stage, bodies, grid.base_size);
+    refuse_long_steps(limit, stage, input.solver.minimum_step_fraction, fmt::format("analysis[{}]", i));
     const double in_cells = limit.in_cells();
     const std::string motion =
         fmt::format("stage {} moves a body by {:.3g} m in a step, {:.2g} of the cells of {:.3g} m at it", i + 1,
@@ -277,6 +278,12 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);
   add_warning_about_buried_bodies<dim>(input, bodies, grid, warnings);
   add_warnings_about_pauses(input, warnings);
+  for (std::size_t i = 0; i < input.stages.size(); ++i)
+    if (!input.stages[i].rigid_bodies && !input.stages[i].adaptivity.boxes.empty())
+      warnings.push_back(
+          fmt::format("stage {} has its bodies \"off\", and nothing is refined in such stages: its boxes "
+                      "have no effect",
+                      i + 1));
   for (std::size_t i = 0; i < input.stages.size(); ++i)
     for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
       if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))

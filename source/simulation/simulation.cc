@@ -45,6 +45,8 @@ template <int dim> void Simulation<dim>::generate()
   pass_on(writer.take_warnings());
   agree(MPI_COMM_WORLD, [&] { checkpoints.remove_files(); });
   copy_input();
+  if (const BlockSize block = describe_block(input); block.is_rounded)
+    log.report().line("soil: " + block.text);
   const auto scope = log.timings().measure("generation");
   soil.generate(std::abs(input.gravity[dim - 1]));
 }
@@ -111,8 +113,10 @@ template <int dim> void Simulation<dim>::begin_stage(const unsigned int number)
 {
   enter_stage(number);
   forget_motion();
-  if (stage->rigid_bodies && stage->surface_placement)
-    place_on_soil<dim>(bodies, soil);
+  if (stage->rigid_bodies && stage->surface_placement && !place_on_soil<dim>(bodies, soil))
+    log.report().warn(fmt::format("stage {}: no soil lies below or above the bodies, so \"rigid body surface "
+                                  "placement\" leaves them where they are",
+                                  number + 1));
   log.begin_stage(stage->stepping, bodies);
   {
     const auto scope = log.timings().measure("window");
@@ -137,6 +141,11 @@ template <int dim> void Simulation<dim>::bury_bodies()
   adapt(); // the finer the cells, the smaller the steps of the hole
   const long long removed = soil.remove_buried(bodies);
   log.report().line(fmt::format("{} material points inside buried bodies removed", removed));
+  if (removed == 0)
+    log.report().warn(
+        fmt::format("stage {}: no material point has its centre in the bodies that are wished in place, so "
+                    "their soil is still there; take cells as fine as they are thick",
+                    stage_number + 1));
   replaces_soil = true;
 }
 
@@ -148,12 +157,13 @@ template <int dim> bool Simulation<dim>::run_stage()
   if (resumed)
     clock.resume(*resumed);
   resumed.reset();
-  limit_steps(clock);
   while (!clock.at_end())
   {
+    if (!step) // how far a body's corners go changes as it turns
+      limit_steps(clock);
     log.timings().begin_step(step_number + 1);
     const NewtonReport report = attempt_step(clock);
-    const double share = clock.step_fraction();
+    const double share = clock.step_fraction(), steps_before = clock.steps_done();
     if (has_dumped(report))
       return false;
     if (report.converged)
@@ -166,7 +176,7 @@ template <int dim> bool Simulation<dim>::run_stage()
     if (report.converged)
     {
       log.progress(report, clock, share, summarise_step());
-      write_output(clock, false);
+      write_output(clock, steps_before, false);
       if (clock.at_end())
         end_stage();
       if (!save_if_due(clock))
@@ -364,8 +374,11 @@ ExitCode run_simulation(const Input& input, const RunOptions& options)
   agree(MPI_COMM_WORLD,
         [&]
         {
-          if (rank_of(MPI_COMM_WORLD) == 0)
-            lock.hold(options.output_directory);
+          if (rank_of(MPI_COMM_WORLD) != 0)
+            return;
+          if (start.path.empty())
+            refuse_to_replace_input(input, options);
+          lock.hold(options.output_directory);
         });
   return input.dimension == 2 ? Simulation<2>(input, options, start).run() : Simulation<3>(input, options, start).run();
 }

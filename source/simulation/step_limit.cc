@@ -1,6 +1,8 @@
 #include "step_limit.h"
 #include <algorithm>
 #include <fmt/format.h>
+#include <kedge/base/exceptions.h>
+#include <kedge/time/clock.h>
 
 namespace kedge
 {
@@ -21,6 +23,13 @@ StepLimit find_step_limit(const Stage& stage, const RigidSystems& bodies, const 
   while (limit.n_parts < most_parts && limit.n_parts * limit.fraction < 1. - 1e-9)
     limit.n_parts *= 2;
   return limit;
+}
+
+void refuse_long_steps(const StepLimit& limit, const Stage& stage, const double minimum_step_fraction,
+                       const std::string& path)
+{
+  if (!Clock(1., minimum_step_fraction).keep_below(limit.fraction))
+    throw InputError(path, refusal_of(limit, stage, minimum_step_fraction));
 }
 
 std::string refusal_of(const StepLimit& limit, const Stage& stage, const double minimum_step_fraction)

@@ -19,7 +19,11 @@ struct StepLimit
   double in_cells() const { return motion / cell_size; }
 };
 
-/// Why a stage cannot run with steps as small as the limit asks for.
+/// Throws InputError(path) where the steps of a stage cannot be made in parts as small as the limit asks for.
+void refuse_long_steps(const StepLimit& limit, const Stage& stage, double minimum_step_fraction,
+                       const std::string& path);
+
+/// Why they cannot.
 std::string refusal_of(const StepLimit& limit, const Stage& stage, double minimum_step_fraction);
 
 /// `bodies` with the conditions of the stage; `base_size` of the grid, m.

@@ -44,7 +44,7 @@ private:
   StepLoad load_at(const Clock& clock) const;
   void commit_step();
   StepSummary summarise_step() const;
-  void write_output(const Clock& clock, bool even_if_not_due);
+  void write_output(const Clock& clock, double steps_before, bool even_if_not_due);
   void finish_output();
   void pass_on(const std::vector<std::string>& warnings);
   void write_restart_file(const Clock& clock, const std::string& path);
@@ -82,4 +82,7 @@ private:
   double basis_bytes = 0.;
   unsigned int step_number = 1; ///< global counter; the first converged step is number 2, as the file names have it
 };
+
+/// Throws InputError where the copy of the effective input would replace the input file with another content.
+void refuse_to_replace_input(const Input& input, const RunOptions& options);
 } // namespace kedge

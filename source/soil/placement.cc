@@ -5,14 +5,14 @@
 
 namespace kedge
 {
-template <int dim> void place_on_soil(RigidSystems& bodies, const Soil<dim>& soil)
+template <int dim> bool place_on_soil(RigidSystems& bodies, const Soil<dim>& soil)
 {
-  const ParticleSet<dim>& particles = soil.particles();
   const auto box = world_bounds(bodies);
   double height = -std::numeric_limits<double>::infinity();
-  for (std::size_t p = 0; p < particles.positions().size(); ++p)
+  for (const auto& particle : soil.particles().handler()) // also those that wait
   {
-    const auto &x = particles.positions()[p], &half = particles.half_widths()[p];
+    const dealii::Point<dim> x = particle.get_location();
+    const double* half = &particle.get_properties()[field::half_width];
     bool below = true;
     for (unsigned int d = 0; d + 1 < dim; ++d)
       below = below && x[d] + half[d] > box[0][d] && x[d] - half[d] < box[1][d];
@@ -22,8 +22,9 @@ template <int dim> void place_on_soil(RigidSystems& bodies, const Soil<dim>& soi
   height = max_over_ranks(height, soil.communicator());
   if (std::isfinite(height))
     place_on_surface(bodies, 2, height);
+  return std::isfinite(height);
 }
 
-template void place_on_soil<2>(RigidSystems&, const Soil<2>&);
-template void place_on_soil<3>(RigidSystems&, const Soil<3>&);
+template bool place_on_soil<2>(RigidSystems&, const Soil<2>&);
+template bool place_on_soil<3>(RigidSystems&, const Soil<3>&);
 } // namespace kedge

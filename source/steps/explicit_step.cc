@@ -193,7 +193,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   {
     drift(dt);
     if (motion)
-      report.failure = motion->drift(load.step_fraction / n_time_steps, dt);
+      report.failure = motion->drift(gravity(), load.step_fraction / n_time_steps, dt);
     admissible = follow_forces(load.start_time + k * dt);
     kick(k == n_time_steps ? 0.5 * dt : dt);
     ++report.iterations;
@@ -236,8 +236,9 @@ template <int dim> void ExplicitStep<dim>::begin()
 /// At the material points' positions at the start of the step.
 template <int dim> void ExplicitStep<dim>::find_body_force(const double time)
 {
-  if (context.body_force == nullptr || (body_force.extent(0) > 0 && !context.body_force->depends_on_time()))
+  if (context.body_force == nullptr || (has_body_force && !context.body_force->depends_on_time()))
     return;
+  has_body_force = true; // on ranks without nodes, too: all of them ask, or none
   const ParticleSet<dim>& particles = context.soil.particles();
   body_force = exchange.make_nodal_vector();
   add_particle_momentum(particles.arrays(), basis.stencils,
@@ -263,7 +264,7 @@ template <int dim> bool ExplicitStep<dim>::follow_forces(const double time)
     body_increments.assign(context.bodies.points.size(), Vector6::Zero());
   exchange.sum_over_ranks(force);
   KokkosBlas::axpby(load.gravity_factor, weight, -1., force);
-  if (body_force.extent(0) > 0)
+  if (has_body_force)
     KokkosBlas::axpy(1., body_force, force);
   return sum_over_ranks(static_cast<long long>(inverted), basis.nodes.communicator) == 0;
 }
@@ -277,7 +278,7 @@ template <int dim> void ExplicitStep<dim>::kick(const double time)
   const BodyLoads now = context.soil.contact().loads();
   for (std::size_t i = 0; i < now.size(); ++i)
     impulse[i] += time * now[i];
-  motion->kick(now, gravity(), time);
+  motion->kick(now, time);
 }
 
 template <int dim> void ExplicitStep<dim>::drift(const double time) { KokkosBlas::axpy(time, velocity, increment); }
@@ -359,7 +360,7 @@ SoilIncrements ExplicitStep<dim>::soil_increments() const
         for (int d = 0; d < dim; ++d)
           gained(p, d) -= taken * unseen(p, d);
       });
-  increments.motion = {gained, acceleration};
+  increments.motion = ParticleMotion{gained, acceleration};
   return {increments, {}};
 }
 

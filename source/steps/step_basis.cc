@@ -8,6 +8,9 @@ namespace
 {
 /// Share of a cell that soil as dense as at the start must take for its particles to share their change of volume.
 constexpr double full_share = 0.49;
+/// Share of a loose leaf that soil takes at most.
+constexpr double loose_share = 0.24;
+constexpr double touching = 1e-4; ///< of a leaf's edge: bodies often rest in the face of a cell
 
 /// What the leaves (owned and ghost) hold. Collective.
 template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context, const BoxParts<dim>& parts)
@@ -30,6 +33,45 @@ std::vector<unsigned char> find_full_leaves(const LeafTable<dim>& table, const s
   for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
     is_full[leaf] = contents[leaf].initial_volume >= full_share * std::pow(table.leaves[leaf].size, dim);
   return is_full;
+}
+
+/// Leaves that nothing holds: there is little soil in them and no body.
+template <int dim>
+std::vector<unsigned char> find_loose_leaves(const StepContext<dim>& context, const std::vector<LeafContent>& contents)
+{
+  const LeafTable<dim>& table = context.soil.mesh().leaves();
+  std::vector<unsigned char> is_loose(contents.size(), 0);
+  for (std::size_t leaf = 0; leaf < contents.size(); ++leaf)
+  {
+    const auto& cell = table.leaves[leaf];
+    if (!is_populated(contents[leaf]) || contents[leaf].volume > loose_share * std::pow(cell.size, dim))
+      continue;
+    std::array<double, 3> lower{}, upper{};
+    for (unsigned int d = 0; d < dim; ++d)
+    {
+      lower[d] = cell.lower[d];
+      upper[d] = cell.lower[d] + cell.size;
+    }
+    is_loose[leaf] =
+        !context.stage.rigid_bodies || !surface_comes_within(context.bodies, to_world_axes(lower, dim),
+                                                             to_world_axes(upper, dim), touching * cell.size);
+  }
+  return is_loose;
+}
+
+/// Marks the leaves that are full as not full where a particle of theirs reaches into a loose leaf. The pressure that
+/// a cell shares is not that of its surface: it would drive out the nodes of a loose leaf, which have next to no mass,
+/// the particle there would seem to dilate, and the cell would give way for it. Ghost stabilisation holds such nodes.
+template <int dim>
+void leave_out_loose_ends(const StepContext<dim>& context, const std::vector<LeafContent>& contents,
+                          const BoxParts<dim>& parts, std::vector<unsigned char>& is_full)
+{
+  const std::vector<unsigned char> is_loose = find_loose_leaves(context, contents);
+  const std::vector<unsigned int>& home = context.soil.particles().leaves();
+  for (std::size_t p = 0; p < home.size(); ++p)
+    for (std::size_t i = parts.begin[p]; i < parts.begin[p + 1]; ++i)
+      if (is_loose[parts.leaf[i]] && parts.leaf[i] != home[p])
+        is_full[home[p]] = 0;
 }
 
 /// How far each particle may move in a requested step, m: at its velocity, in static stages as its cell did in the last
@@ -120,7 +162,12 @@ StepBasis make_step_basis(const StepContext<dim>& context, const GhostFactors& g
   basis.nodes = number_active_nodes<dim>(table, used, communicator);
   basis.stencils = upload_stencils<dim>(std::move(host), basis.nodes.number);
   if (f_bar)
-    basis.cells = group_by_cell(basis.stencils, particles.leaves(), find_full_leaves<dim>(table, contents));
+  {
+    std::vector<unsigned char> is_full = find_full_leaves<dim>(table, contents);
+    if (!has_ghosts)
+      leave_out_loose_ends(context, contents, parts, is_full);
+    basis.cells = group_by_cell(basis.stencils, particles.leaves(), is_full);
+  }
   if (with_elements)
     basis.elements =
         make_elements<dim>(table, parts, corrections, download(particles.arrays().initial_volume), basis.nodes.number,

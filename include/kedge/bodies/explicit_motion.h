@@ -17,12 +17,13 @@ public:
   /// `begins_stage`: the points do not know yet which accelerations their joints cause.
   ExplicitMotion(const RigidSystems& committed, bool begins_stage);
 
-  /// Loads and gravity (m/s2) act on the free dofs for `time` (s). Loads: N and N m about the present position of each
-  /// point, world axes; empty: none.
-  void kick(const BodyLoads& loads, const Eigen::Vector3d& gravity, double time);
+  /// Loads act on the free dofs for `time` (s). Loads: N and N m about the present position of each point, world axes;
+  /// empty: none.
+  void kick(const BodyLoads& loads, double time);
 
-  /// Moves the points for `time` (s), which is `fraction` of an uncut step. Returns why this failed; empty on success.
-  std::string drift(double fraction, double time);
+  /// Moves the points under gravity (m/s2) for `time` (s), which is `fraction` of an uncut step. Returns why this
+  /// failed; empty on success.
+  std::string drift(const Eigen::Vector3d& gravity, double fraction, double time);
 
   /// Motion of every point since the start of the step.
   std::vector<Vector6> increments() const;
@@ -33,6 +34,10 @@ public:
   /// Copies position and motion to `committed`, from which the step started. `fraction` is that of the whole step, over
   /// which the acceleration that it reports is the mean.
   void commit(RigidSystems& committed, double fraction) const;
+
+  /// Equal parts in which the next drift is made, so many that points do not turn far in one beside how stiff their
+  /// joints are.
+  unsigned int count_parts(const Eigen::Vector3d& gravity, double fraction, double time) const;
 
 private:
   std::vector<Pose> start;

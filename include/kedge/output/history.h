@@ -36,24 +36,30 @@ public:
 
   /// Keeps the rows of an earlier run up to and including `step`. A missing file counts as an empty table.
   void resume_after(unsigned int step);
-  /// Adds a row, hands it to the system and writes the line of names before the first one. Throws FileError.
+  /// Adds a row, hands it to the system and writes the line of names before the first one. A table of an earlier run
+  /// with other columns gets another name. Throws FileError.
   void append(const RigidSystems& bodies, const std::vector<Vector6>& reactions, double time, unsigned int stage,
               unsigned int step);
   /// Writes the rows that wait. Throws FileError.
   void write();
   /// Rows that are not in the file.
   unsigned int count_waiting() const;
+  /// Where the rows of an earlier run are whose columns are others, if that was found since this was asked last.
+  std::string take_earlier_table() { return std::exchange(earlier_table, {}); }
   /// Rows that are lost since this was asked last.
   unsigned int take_lost() { return std::exchange(n_lost, 0); }
 
 private:
+  void set_aside();
+
   std::string path;
   std::vector<BodyField> fields;
   std::size_t most_bytes;
   std::string line_of_names; ///< empty before the first row
   std::string waiting;       ///< rows
   unsigned int n_lost = 0;
-  bool is_begun = false;  ///< whether the file is of this run, or of one that it goes on from
+  bool is_begun = false; ///< whether the file is of this run, or of one that it goes on from
+  std::string earlier_table;
   std::string kept_names; ///< names of an earlier run, until they are compared with those of this run
 };
 } // namespace kedge

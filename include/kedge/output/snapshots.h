@@ -32,16 +32,17 @@ template <int dim> struct Snapshot
 template <int dim> class OutputWriter
 {
 public:
-  /// Creates the folders. `states`: by layer, the state variables that its law uses.
+  /// `states`: by layer, the state variables that its law uses.
   OutputWriter(const OutputParameters& parameters, const std::string& run_directory,
                const std::vector<std::vector<StateVariable>>& states, MPI_Comm communicator);
 
-  /// Keeps what an earlier run has left in the folders up to and including `step`, so that a run goes on from there;
-  /// 0: nothing. Removes the rest.
+  /// Creates the folders, first of all. Keeps what an earlier run has left in the folders up to and including `step`,
+  /// so that a run goes on from there; 0: nothing. Removes the rest.
   void keep_until(unsigned int step);
+  /// Of so many requested steps.
   void begin_stage(unsigned int n_steps);
   /// Writes nothing twice: neither a step that this run has written nor, after a restart, one of the earlier run.
-  void write_if_due(const Snapshot<dim>& state, unsigned int converged_steps_in_stage, bool last_of_stage);
+  void write_if_due(const Snapshot<dim>& state, const StepSpan& step, bool last_of_stage);
   /// At the end of a run: tries once more to write what waits, and sums up what is missing.
   void finish();
   /// Those since this was asked last, on rank 0.
@@ -58,6 +59,7 @@ private:
   void list(const std::string& series, const std::string& file, double time);
 
   OutputParameters parameters;
+  std::string run_folder;
   unsigned int n_layers;
   MPI_Comm communicator;
   std::string vtk_folder, csv_folder;

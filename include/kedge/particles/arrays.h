@@ -2,6 +2,7 @@
 #pragma once
 
 #include <kedge/particles/fields.h>
+#include <optional>
 #include <tuple>
 
 namespace kedge
@@ -72,6 +73,6 @@ struct ParticleIncrements
 {
   View<double* [3]> displacement;         ///< m
   View<double* [9]> deformation_gradient; ///< dF of the step
-  ParticleMotion motion;                  ///< empty after a static step, which leaves the particles at rest
+  std::optional<ParticleMotion> motion;   ///< none after a static step, which leaves the particles at rest
 };
 } // namespace kedge

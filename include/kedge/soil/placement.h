@@ -6,7 +6,7 @@
 namespace kedge
 {
 /// Moves all bodies vertically by one amount so that their lowest surface point rests on the soil as it is now: on the
-/// highest domain below the box around all surfaces. Soil that has settled under its weight lies lower than it was
-/// drawn. Without soil there the bodies stay. Collective.
-template <int dim> void place_on_soil(RigidSystems& bodies, const Soil<dim>& soil);
+/// highest domain below the box around all surfaces, also outside the window. Soil that has settled under its weight
+/// lies lower than it was drawn. False without soil there, where the bodies stay. Collective.
+template <int dim> bool place_on_soil(RigidSystems& bodies, const Soil<dim>& soil);
 } // namespace kedge

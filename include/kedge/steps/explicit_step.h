@@ -59,7 +59,8 @@ private:
   View<double*> mass;                    ///< per local node, scaled, kg
   NodalVector inertia;                   ///< the same per local dof; infinite where it is held or has no mass
   NodalVector weight;                    ///< of all ranks, under full gravity, N
-  NodalVector body_force;                ///< of all ranks, at the last time step, N; empty without one
+  NodalVector body_force;                ///< of all ranks, at the last time step, N
+  bool has_body_force = false;           ///< whether it was found
   double critical_dt = 0., soil_dt = 0.;
   unsigned int n_time_steps = 0; ///< of the last step
 

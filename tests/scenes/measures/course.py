@@ -51,6 +51,11 @@ def mean_body_difference(first, second, column):
     return np.mean(first.body(column)) / np.mean(second.body(column)) - 1.
 
 
+def largest_value(run, column):
+    """Largest size of a number in a column of the material points at the end, in its unit."""
+    return float(np.max(np.abs(run.points(column))))
+
+
 def share_of_points(first, second):
     """Number of material points at the end of the first run, over that of the second."""
     counts = [run.stages[-1]["material points"] for run in (first, second)]

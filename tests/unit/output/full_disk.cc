@@ -161,10 +161,11 @@ TEST(FullDisk, WriterWarnsOnceAndSaysWhatIsMissing)
   const TemporaryFolder folder;
   Scene<3> scene;
   OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(1);
   const auto warnings_of = [&](const unsigned int step)
   {
-    writer.write_if_due(scene.state(step), 1, true);
+    writer.write_if_due(scene.state(step), {0., 1.}, true);
     return writer.take_warnings();
   };
   {

@@ -141,14 +141,20 @@ TEST(BodyCsv, RestartWithoutTableStartsOne)
   EXPECT_EQ(read_text_file(folder / own("rigid_body.csv")), "time,stage,step\n0.25,1,4\n");
 }
 
-TEST(BodyCsv, RestartWithOtherColumnsIsRefused)
+TEST(BodyCsv, RestartWithOtherColumnsSetsTheTableAside)
 {
   const TemporaryFolder folder;
   const std::string path = folder / own("rigid_body.csv");
-  write_text_file(path, "time,body1_mass,body2_mass,stage,step\n0.1,5,6,1,2\n");
-  BodyHistory history(path, select_body_fields({"position"}));
+  const std::string earlier = "time,body1_mass,body2_mass,stage,step\n0.1,5,6,1,2\n";
+  write_text_file(path, earlier);
+  BodyHistory history(path, {});
   history.resume_after(2);
-  EXPECT_THROW(history.append(two_points(), {}, 0.25, 1, 3), FileError);
+  history.append({}, {}, 0.25, 1, 3);
+  EXPECT_EQ(read_text_file(path), "time,stage,step\n0.25,1,3\n");
+  const std::string aside = history.take_earlier_table();
+  EXPECT_EQ(aside, path.substr(0, path.size() - 4) + "-1.csv");
+  EXPECT_EQ(read_text_file(aside), earlier);
+  EXPECT_EQ(history.take_earlier_table(), "");
 }
 
 TEST(BodyCsv, UnwritableFileIsNamed)

@@ -17,6 +17,8 @@ using test::Scene;
 using test::TemporaryFolder;
 using Names = std::set<std::string>;
 
+constexpr StepSpan first_step{0., 1.};
+
 /// Names of one series in parallel or not.
 void add_series(Names& names, const std::string& start)
 {
@@ -40,8 +42,9 @@ TEST(OutputWriter, WritesEverySeries)
   Scene<3> scene;
   add_body(scene);
   OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(10);
-  writer.write_if_due(scene.state(2), 1, false);
+  writer.write_if_due(scene.state(2), first_step, false);
 
   Names vtk = {"mps_1.pvd",   "mps_2.pvd",      "mesh.pvd",          "body.pvd",         "surface.pvd",
                "tracked.pvd", "body_00002.vtu", "surface_00002.vtu", "tracked_00002.vtu"};
@@ -58,8 +61,9 @@ TEST(OutputWriter, SceneWithoutBodiesHasNoFilesOfThem)
   OutputParameters parameters = everything();
   parameters.csv.particle_fields = {}; // no columns, no file
   OutputWriter<2> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(10);
-  writer.write_if_due(scene.state(123456), 1, false);
+  writer.write_if_due(scene.state(123456), first_step, false);
 
   Names vtk = {"mps_1.pvd", "mps_2.pvd", "mesh.pvd"};
   for (const char* start : {"mps_1_123456", "mps_2_123456", "mesh_123456"})
@@ -76,9 +80,10 @@ TEST(OutputWriter, SeriesAreSwitchedAndTimedOnTheirOwn)
   parameters.vtk.on = false;
   parameters.csv.percent = 50.;
   OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(4);
   for (unsigned int step = 1; step <= 5; ++step)
-    writer.write_if_due(scene.state(step + 1), step, step == 5);
+    writer.write_if_due(scene.state(step + 1), {step - 1., step * 1.}, step == 5);
   EXPECT_FALSE(std::filesystem::exists(folder / "vtk"));
   EXPECT_EQ(files_in(folder / "csv/deep"), Names({"mps_1_00003.csv", "mps_2_00003.csv", "mps_1_00005.csv",
                                                   "mps_2_00005.csv", "mps_1_00006.csv", "mps_2_00006.csv"}));
@@ -91,8 +96,9 @@ TEST(OutputWriter, PiecesHoldAllParticlesAndTheRequestedFields)
   OutputParameters parameters = everything();
   parameters.vtk.particle_fields = {"initial volume", "stress"};
   OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(1);
-  writer.write_if_due(scene.state(2), 1, true);
+  writer.write_if_due(scene.state(2), first_step, true);
 
   MPI_Barrier(MPI_COMM_WORLD);
   const bool parallel = size_of(MPI_COMM_WORLD) > 1;
@@ -114,8 +120,9 @@ TEST(OutputWriter, ParticleTableIsSortedOverRanks)
   OutputParameters parameters = everything();
   parameters.csv.particle_fields = {"initial volume", "position"};
   OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(1);
-  writer.write_if_due(scene.state(2), 1, true);
+  writer.write_if_due(scene.state(2), first_step, true);
   EXPECT_EQ(read_text_file(folder / "csv/deep/mps_2_00002.csv"), "time,0.5\n"
                                                                  "initial volume,position_x,position_y,position_z\n"
                                                                  "10,0.5,0.5,0.5\n"
@@ -135,8 +142,9 @@ TEST(OutputWriter, ContactForcesOfAllRanksAddUp)
   touch.surface = 0;
   scene.touches = {touch};
   OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(1);
-  writer.write_if_due(scene.state(2), 1, true);
+  writer.write_if_due(scene.state(2), first_step, true);
   double sum = 0.;
   const test::ReadGrid grid = test::read_vtu(folder / "vtk/surface_00002.vtu");
   const std::vector<double>& force = grid.arrays.at("CellData/contact force").values;
@@ -155,11 +163,10 @@ TEST(OutputWriter, RestartContinuesListsAndTable)
   const auto run = [&](unsigned int first, unsigned int last, bool restart)
   {
     OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
-    if (restart)
-      writer.keep_until(first - 1);
+    writer.keep_until(restart ? first - 1 : 0);
     writer.begin_stage(10);
     for (unsigned int step = first; step <= last; ++step)
-      writer.write_if_due(scene.state(step), step - 1, false);
+      writer.write_if_due(scene.state(step), {step - 2., step - 1.}, false);
   };
   run(2, 5, false);
   run(4, 4, true);
@@ -190,22 +197,25 @@ TEST(OutputWriter, WritesNoStepTwice)
   };
   {
     OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
+    writer.keep_until(0);
     writer.begin_stage(4);
-    writer.write_if_due(scene.state(2), 1, false); // a row of the table alone
-    writer.write_if_due(scene.state(2), 1, true);  // the run fails in its next step: writes the rest of this one
+    writer.write_if_due(scene.state(2), first_step, false); // a row of the table alone
+    writer.write_if_due(scene.state(2), first_step,
+                        true); // the run fails in its next step: writes the rest of this one
   }
   EXPECT_EQ(count_rows(), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "vtk/body.pvd"));
   OutputWriter<3> writer(parameters, folder.name(), {{}, {}}, MPI_COMM_WORLD);
   writer.keep_until(2);
   writer.begin_stage(4);
-  writer.write_if_due(scene.state(2), 1, true); // the next step has failed again
+  writer.write_if_due(scene.state(2), first_step, true); // the next step has failed again
   EXPECT_EQ(count_rows(), 1);
 }
 
 TEST(OutputWriter, FolderThatCannotBeMadeFailsOnEveryRank)
 {
-  EXPECT_THROW(OutputWriter<3>(everything(), "/proc/no such place", {{}}, MPI_COMM_WORLD), FileError);
+  OutputWriter<3> writer(everything(), "/proc/no such place", {{}}, MPI_COMM_WORLD);
+  EXPECT_THROW(writer.keep_until(0), FileError);
 }
 
 TEST(OutputWriter, LostFolderFailsOnEveryRank)
@@ -213,11 +223,12 @@ TEST(OutputWriter, LostFolderFailsOnEveryRank)
   const TemporaryFolder folder;
   Scene<3> scene;
   OutputWriter<3> writer(everything(), folder.name(), {{}, {}}, MPI_COMM_WORLD);
+  writer.keep_until(0);
   writer.begin_stage(1);
   MPI_Barrier(MPI_COMM_WORLD);
   if (rank_of(MPI_COMM_WORLD) == 0)
     std::filesystem::remove_all(folder / "csv"); // only rank 0 writes tables
-  EXPECT_THROW(writer.write_if_due(scene.state(2), 1, true), FileError);
+  EXPECT_THROW(writer.write_if_due(scene.state(2), first_step, true), FileError);
 }
 } // namespace
 } // namespace kedge

@@ -48,7 +48,8 @@ TEST(Check, AsTextNamesTheFileTheWarningsAndTheTable)
   const Input input = footing();
   const CheckResult result = two_warnings();
   EXPECT_EQ(format_check(input, result, "a.json"),
-            "a.json: valid\nwarning: look out\nwarning: mind the \"gap\"\n" + format_estimate(input, result.stages));
+            "a.json: valid\nwarning: look out\nwarning: mind the \"gap\"\nSoil: 4 x 2 m.\n" +
+                format_estimate(input, result.stages));
 }
 
 TEST(Check, CountsAndWarns)

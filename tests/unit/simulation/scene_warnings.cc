@@ -1,6 +1,7 @@
 // Warnings about what an input hardly means.
 #include "input_files.h"
 #include <gtest/gtest.h>
+#include <kedge/base/exceptions.h>
 #include <kedge/simulation/scene_warnings.h>
 
 using namespace kedge;
@@ -125,6 +126,28 @@ TEST(Warnings, StepsInWhichABodyGoesTooFarForTheCells)
   expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=off"}),
                  "so make them shorter");
   expect_warning(warnings("plate-anchor-ts.json", {motion + "0.002", "analysis.0.largest motion=0.25"}), "made in 2");
+}
+
+TEST(Warnings, StepsThatNoPartsMakeShortEnoughAreRefused)
+{
+  const std::string motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed=0.002";
+  EXPECT_NO_THROW(warnings("plate-anchor-ts.json", {motion, "solver.minimum step fraction=0.25"}));
+  try
+  {
+    warnings("plate-anchor-ts.json", {motion, "solver.minimum step fraction=0.5"});
+    FAIL() << "accepted";
+  }
+  catch (const InputError& error)
+  {
+    EXPECT_EQ(error.path, "analysis[0]");
+    EXPECT_NE(std::string(error.what()).find("give the stage more steps"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Warnings, BoxesOfStagesThatRefineNothing)
+{
+  const std::string box = R"(analysis.0.adaptivity.boxes=[{"min": [0, 0], "max": [1, 1], "element size": 0.1}])";
+  expect_warning(warnings("strip-footing.json", {"analysis.0.rigid bodies=off", box}), "no effect");
 }
 
 TEST(Warnings, ChoicesThatExperimentsHaveShownToBePoor)
