@@ -35,6 +35,8 @@ void ExplicitMotion::kick(const BodyLoads& loads, const double time)
 
 unsigned int ExplicitMotion::count_parts(const Eigen::Vector3d& gravity, const double fraction, const double time) const
 {
+  if (moving.joints.empty())
+    return 1;
   const std::size_t n_systems = std::max<std::size_t>(1, moving.first_point.size());
   std::vector<double> energy(n_systems, 0.), bent(n_systems, 0.);
   std::vector<Vector6> alone;
@@ -76,13 +78,17 @@ std::string ExplicitMotion::drift(const Eigen::Vector3d& gravity, const double f
   passed += time;
   for (unsigned int i = 0; i < n_parts; ++i)
   {
-    step.beta = knows_accelerations ? RigidStep().beta : 0.5; // RigidStep explains this pair
-    step.gamma = knows_accelerations ? RigidStep().gamma : 1.;
+    RigidStep part = step;
+    if (!knows_accelerations) // RigidStep explains this pair
+    {
+      part.beta = 0.5;
+      part.gamma = 1.;
+    }
     knows_accelerations = true;
-    const RigidSolution solution = solve_rigid_motion(moving, step);
+    const RigidSolution solution = solve_rigid_motion(moving, part);
     if (!solution.converged)
       return solution.failure;
-    commit_increments(moving, step, solution.increments);
+    commit_increments(moving, part, solution.increments);
   }
   return "";
 }

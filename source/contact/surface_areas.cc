@@ -15,17 +15,17 @@ namespace
 constexpr double shares_within = 2.;
 /// Cosine of the angle between the normals of a corner and of a piece from which on they are on one side.
 constexpr double same_side = 0.5;
+/// Lengths that differ by less than this share are equal, so that round-off, which ranks do not have in common, does
+/// not choose where a part is halved.
+constexpr double equal_lengths = 1e-9;
 /// Length of a piece, in sizes of the smallest particle whose corner shares it.
-constexpr double piece_length = 0.5;
+constexpr double piece_length = 0.5 * (1. + equal_lengths);
 /// A box covers a piece if it holds the point so far off the surface, in extents of the box across the surface, the box
 /// being widened by this factor: deeper than a staircase, and across what a reference gap leaves open.
 constexpr double looked_for_at = 0.6, widened = 1.2;
 /// What a corner may stand for, in its weights: the lone tips of the steepest staircases stand for little less. Corners
 /// that are about to lose the surface do not take over all that others have lost.
 constexpr double most_weights[] = {3., 8.}; // in the plane, in space
-/// Lengths that differ by less than this share are equal, so that round-off, which ranks do not have in common, does
-/// not choose where a part is halved.
-constexpr double equal_lengths = 1e-9;
 /// Others know of a corner or a box so far around their own, in the size of the largest particle.
 constexpr double known_within = 8.;
 
@@ -208,7 +208,7 @@ public:
       if (!reaches(mine, bounds))
         continue;
       const unsigned int i = now.longest(), j = (i + 1) % now.n;
-      if (now.length(i) <= (1. + equal_lengths) * piece_length * smallest_near(bounds, now.length(i)))
+      if (now.length(i) <= piece_length * smallest_near(bounds, now.length(i)))
       {
         share(now);
         continue;
@@ -232,7 +232,7 @@ private:
   /// Size of the smallest particle whose corner reaches into a box; zero for parts that are too long for any.
   double smallest_near(const Box& bounds, const double length) const
   {
-    if (length > (1. + equal_lengths) * piece_length * largest)
+    if (length > piece_length * largest)
       return 0.;
     double smallest = largest;
     std::for_each(all.qbegin(boost::geometry::index::intersects(bounds)), all.qend(),

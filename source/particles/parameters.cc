@@ -13,8 +13,8 @@ Section<Layer> layer_section()
 {
   Section<Layer> section("A soil layer as wide as the block");
   section.required("thickness", &Layer::thickness, number("m", positive()),
-                   "Thickness; interfaces stay exact, the "
-                   "soil's surface is rounded up to a whole row of material points");
+                   "Thickness; interfaces stay exact, the soil's surface is "
+                   "rounded up to a whole row of material points");
   section.required("material", &Layer::material, object_of(material_section()), "What the layer is made of");
   return section;
 }

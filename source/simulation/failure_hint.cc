@@ -29,8 +29,7 @@ std::string hint_by_place(const ResidualPlace& place, const Stage& stage, const 
   if (place.bodies_dominate)
     return "A free body finds no balance: shorter steps, softer contact springs (\"normal penalty factor\") or a stage "
            "that is \"dynamic\" may help; a body that nothing holds has none in a \"static\" one, and one that must "
-           "swing "
-           "far to its balance needs more \"max newton iterations\".";
+           "swing far to its balance needs more \"max newton iterations\".";
   if (is_at_body(place))
     return "It sits at a body: shorter steps, finer cells there, softer contact springs (\"normal penalty factor\") or "
            "rounder edges may help.";

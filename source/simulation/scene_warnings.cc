@@ -279,16 +279,18 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
   add_warning_about_buried_bodies<dim>(input, bodies, grid, warnings);
   add_warnings_about_pauses(input, warnings);
   for (std::size_t i = 0; i < input.stages.size(); ++i)
-    if (!input.stages[i].rigid_bodies && !input.stages[i].adaptivity.boxes.empty())
+  {
+    const Stage& stage = input.stages[i];
+    if (!stage.rigid_bodies && !stage.adaptivity.boxes.empty())
       warnings.push_back(
           fmt::format("stage {} has its bodies \"off\", and nothing is refined in such stages: its boxes "
                       "have no effect",
                       i + 1));
-  for (std::size_t i = 0; i < input.stages.size(); ++i)
-    for (const RefinedBox& box : input.stages[i].adaptivity.boxes)
+    for (const RefinedBox& box : stage.adaptivity.boxes)
       if (lies_beside<dim>(to_world_axes(box.min, dim), to_world_axes(box.max, dim), grid, true))
         warnings.push_back(fmt::format("a box of fine cells in stage {} lies outside the grid, which reaches {}", i + 1,
                                        text_of<dim>(grid)));
+  }
   return warnings;
 }
 } // namespace

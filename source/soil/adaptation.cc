@@ -23,7 +23,24 @@ template <int dim> bool reaches_into(const RefinedBox& box, const std::array<dou
       return false;
   return true;
 }
+
+/// Whether a surface comes so near to a cell, m.
+template <int dim>
+bool comes_within(const RigidSystems& bodies, const std::array<double, dim>& corner, const double size,
+                  const double distance)
+{
+  std::array<double, dim> far_corner = corner;
+  for (double& x : far_corner)
+    x += size;
+  return surface_comes_within(bodies, to_world<dim>(corner), to_world<dim>(far_corner), distance);
+}
 } // namespace
+
+template <int dim>
+bool surface_touches_cell(const RigidSystems& bodies, const std::array<double, dim>& corner, const double size)
+{
+  return comes_within<dim>(bodies, corner, size, touching * size);
+}
 
 template <int dim>
 double wanted_size(const RigidSystems& bodies, const Adaptivity& adaptivity, const double base_size,
@@ -35,14 +52,10 @@ double wanted_size(const RigidSystems& bodies, const Adaptivity& adaptivity, con
   for (const RefinedBox& box : adaptivity.boxes)
     if (box.element_size < wanted && reaches_into<dim>(box, corner, size))
       wanted = box.element_size;
-  std::array<double, dim> far_corner = corner;
-  for (double& x : far_corner)
-    x += size;
-  const Eigen::Vector3d lower = to_world<dim>(corner), upper = to_world<dim>(far_corner);
-  if (surface_comes_within(bodies, lower, upper, touching * size))
+  if (surface_touches_cell<dim>(bodies, corner, size))
     return std::min(wanted, adaptivity.element_size);
   if (adaptivity.region > 0. && adaptivity.element_size_in_region < wanted &&
-      surface_comes_within(bodies, lower, upper, adaptivity.region))
+      comes_within<dim>(bodies, corner, size, adaptivity.region))
     return adaptivity.element_size_in_region;
   return wanted;
 }
@@ -147,4 +160,6 @@ template double wanted_size<2>(const RigidSystems&, const Adaptivity&, double, c
 template double wanted_size<3>(const RigidSystems&, const Adaptivity&, double, const std::array<double, 3>&, double);
 template class CellAdaptation<2>;
 template class CellAdaptation<3>;
+template bool surface_touches_cell<2>(const RigidSystems&, const std::array<double, 2>&, double);
+template bool surface_touches_cell<3>(const RigidSystems&, const std::array<double, 3>&, double);
 } // namespace kedge

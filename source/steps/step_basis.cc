@@ -1,5 +1,6 @@
 #include <cmath>
 #include <kedge/base/failure.h>
+#include <kedge/soil/adaptation.h>
 #include <kedge/steps/step_basis.h>
 
 namespace kedge
@@ -10,7 +11,6 @@ namespace
 constexpr double full_share = 0.49;
 /// Share of a loose leaf that soil takes at most.
 constexpr double loose_share = 0.24;
-constexpr double touching = 1e-4; ///< of a leaf's edge: bodies often rest in the face of a cell
 
 /// What the leaves (owned and ghost) hold. Collective.
 template <int dim> std::vector<LeafContent> find_contents(const StepContext<dim>& context, const BoxParts<dim>& parts)
@@ -46,15 +46,7 @@ std::vector<unsigned char> find_loose_leaves(const StepContext<dim>& context, co
     const auto& cell = table.leaves[leaf];
     if (!is_populated(contents[leaf]) || contents[leaf].volume > loose_share * std::pow(cell.size, dim))
       continue;
-    std::array<double, 3> lower{}, upper{};
-    for (unsigned int d = 0; d < dim; ++d)
-    {
-      lower[d] = cell.lower[d];
-      upper[d] = cell.lower[d] + cell.size;
-    }
-    is_loose[leaf] =
-        !context.stage.rigid_bodies || !surface_comes_within(context.bodies, to_world_axes(lower, dim),
-                                                             to_world_axes(upper, dim), touching * cell.size);
+    is_loose[leaf] = !context.stage.rigid_bodies || !surface_touches_cell<dim>(context.bodies, cell.lower, cell.size);
   }
   return is_loose;
 }

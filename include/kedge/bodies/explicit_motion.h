@@ -1,4 +1,4 @@
-// Rigid points in explicit dynamics: loads of the soil and weight kick them, then they drift under their joints.
+// Rigid points in explicit dynamics: loads of the soil kick them, then they drift under their joints and weight.
 #pragma once
 
 #include <kedge/bodies/rigid_balance.h>
@@ -9,8 +9,8 @@ namespace kedge
 {
 /// Motion of the points within a step that consists of many small ones. Each small step is half a kick, a drift and
 /// half a kick (splitting after Strang 1968, SIAM J. Numer. Anal. 5); without joints this is velocity Verlet. In a
-/// drift only the joints act. They act implicitly (Newmark's average acceleration), so their stiffness does not limit
-/// the time step.
+/// drift joints and weight act alone, implicitly (Newmark's average acceleration), so the joints' stiffness does not
+/// limit the time step; it is made in as many parts as keep their energy.
 class ExplicitMotion
 {
 public:

@@ -6,6 +6,10 @@
 
 namespace kedge
 {
+/// Whether a surface crosses a cell, given by its lower corner and edge (m), or lies in one of its faces.
+template <int dim>
+bool surface_touches_cell(const RigidSystems& bodies, const std::array<double, dim>& corner, double size);
+
 /// The largest edge (m) that the stage allows a cell with this lower corner and edge (m).
 template <int dim>
 double wanted_size(const RigidSystems& bodies, const Adaptivity& adaptivity, double base_size,
