@@ -1,10 +1,12 @@
 #include "domain.h"
+#include "stress_slope.h"
 #include <Eigen/LU>
 #include <algorithm>
 #include <kedge/base/communication.h>
 #include <kedge/base/exceptions.h>
 #include <kedge/particles/splitting.h>
 #include <limits>
+#include <map>
 #include <numeric>
 
 namespace kedge
@@ -21,6 +23,7 @@ template <int dim> struct Piece
   long long id;
   int origin; ///< rank that held the particle it was a part of
   std::array<double, field::count> data;
+  std::array<double, 6 * dim> slope; ///< of the stress, as StressSlope
 };
 
 /// Makes the values of a field of a particle those of one of its `n` children. It is cut along `axes`, by bits.
@@ -50,7 +53,7 @@ void divide_field(const FieldDeclaration& field, double* value, const std::size_
 /// By octant; those that lack an axis of the cut in their number are the same as others, and do not count.
 template <int dim>
 std::array<Piece<dim>, 1u << dim> cut_in_octants(const Piece<dim>& parent, const Split<dim>& split,
-                                                 const GridLayout<dim>& grid)
+                                                 const GridLayout<dim>& grid, const Material* const material)
 {
   using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   const Eigen::Matrix3d to_initial =
@@ -73,6 +76,8 @@ std::array<Piece<dim>, 1u << dim> cut_in_octants(const Piece<dim>& parent, const
     const Eigen::Vector3d initial_offset = to_initial * offset;
     for_each_field([&](const FieldDeclaration& field, const unsigned int at)
                    { divide_field(field, &child.data[at], split.n_children(), initial_offset, split.axes); });
+    if (material != nullptr)
+      add_slope<dim>(Eigen::Map<const StressSlope<dim>>(parent.slope.data()), offset, *material, child.data.data());
   }
   return children;
 }
@@ -111,9 +116,11 @@ std::vector<long long> places_among_all(const std::vector<long long>& numbers, c
 template <int dim> class Splitting
 {
 public:
-  Splitting(ParticleSet<dim>& particles_, const BackgroundMesh<dim>& mesh_, const unsigned int points_per_axis)
+  Splitting(ParticleSet<dim>& particles_, const BackgroundMesh<dim>& mesh_, const unsigned int points_per_axis,
+            const std::optional<FormerCells<dim>>& former_)
       : particles(particles_.edit()),
         mesh(mesh_),
+        former(former_),
         communicator(mesh.communicator()),
         limit(widest(points_per_axis)),
         next_number(particles.get_next_free_particle_index())
@@ -125,6 +132,7 @@ public:
     const auto wide = find_wide_particles();
     if (!any_waiting())
       return {};
+    find_slopes();
     particles.remove_particles(wide);
     while (any_waiting())
       split_generation();
@@ -160,8 +168,8 @@ private:
         if (fits(data, cell->extent_in_direction(0)))
           continue;
         Piece<dim> piece;
-        for (unsigned int d = 0; d < dim; ++d)
-          piece.position[d] = particle->get_location()[d];
+        piece.position = to_array<dim>(particle->get_location());
+        piece.slope.fill(0.);
         piece.id = particle->get_id();
         piece.origin = rank_of(communicator);
         std::copy_n(data, piece.data.size(), piece.data.begin());
@@ -170,6 +178,51 @@ private:
       }
     }
     return wide;
+  }
+
+  /// Of the stress around the particles of cells that have just been refined, whose parts this rank holds all, each
+  /// layer by itself. Others find no slope: what lies around them may be on other ranks.
+  void find_slopes()
+  {
+    if (!former)
+      return;
+    materials = copy_to_host(former->materials);
+    std::map<std::pair<int, unsigned int>, StressFit<dim>> fits;
+    for (const auto& cell : mesh.triangulation().active_cell_iterators())
+    {
+      if (!cell->is_locally_owned())
+        continue;
+      const int whole = refined_cell(to_array<dim>(cell->center()), cell->extent_in_direction(0));
+      if (whole >= 0)
+        for (const auto& particle : particles.particles_in_cell(cell))
+          fits[{whole, layer_of(particle.get_properties().data())}].add(to_array<dim>(particle.get_location()),
+                                                                        particle.get_properties().data());
+    }
+    for (Piece<dim>& piece : waiting)
+    {
+      const double size = mesh.leaves().leaves[mesh.leaves().find_leaf(piece.position)].size;
+      const auto fit = fits.find({refined_cell(piece.position, size), layer_of(piece.data.data())});
+      if (fit == fits.end())
+        continue;
+      Eigen::Map<StressSlope<dim>> slope(piece.slope.data());
+      slope = fit->second.slope(2. * size);
+      const Eigen::Map<const Eigen::Vector3d> half_width(&piece.data[field::half_width]);
+      slope *= bearable_share<dim>(slope, 0.5 * half_width, *material_of(piece), size, piece.data.data());
+    }
+  }
+
+  /// Number of the former cell that holds a point, if it was larger than the one that holds it now; otherwise -1.
+  int refined_cell(const std::array<double, dim>& x, const double size) const
+  {
+    const int leaf = former->leaves.find_leaf(x);
+    return leaf >= 0 && former->leaves.leaves[leaf].size > 1.5 * size ? leaf : -1;
+  }
+
+  static unsigned int layer_of(const double* data) { return static_cast<unsigned int>(data[field::layer]); }
+
+  const Material* material_of(const Piece<dim>& piece) const
+  {
+    return former ? &materials(layer_of(piece.data.data())) : nullptr;
   }
 
   void split_generation()
@@ -193,7 +246,7 @@ private:
       std::copy_n(&parent.data[field::half_width], dim, split.half_width.begin());
       std::iota(split.children.begin() + 1, split.children.end(), next_number + (n_children - 1) * places[i]);
       by_origin[parent.origin].push_back(split);
-      const auto children = cut_in_octants<dim>(parent, split, mesh.layout());
+      const auto children = cut_in_octants<dim>(parent, split, mesh.layout(), material_of(parent));
       for (unsigned int octant = 0; octant < children.size(); ++octant)
         if (split.has_child(octant) && !take_if_owned(children[octant]))
           strays[mesh.leaves().find_owner(children[octant].position)].push_back(children[octant]);
@@ -231,6 +284,8 @@ private:
 
   Handler& particles;
   const BackgroundMesh<dim>& mesh;
+  const std::optional<FormerCells<dim>>& former;
+  Materials::HostMirror materials; ///< of the layers, where there are former cells
   MPI_Comm communicator;
   double limit; ///< width over cell size up to which a particle fits
   long long next_number;
@@ -257,13 +312,16 @@ bool any_too_wide(const ParticleSet<dim>& particles, const BackgroundMesh<dim>& 
 
 template <int dim>
 std::vector<Split<dim>> split_particles(ParticleSet<dim>& particles, const BackgroundMesh<dim>& mesh,
-                                        const unsigned int points_per_axis)
+                                        const unsigned int points_per_axis,
+                                        const std::optional<FormerCells<dim>>& former)
 {
-  return Splitting<dim>(particles, mesh, points_per_axis).run();
+  return Splitting<dim>(particles, mesh, points_per_axis, former).run();
 }
 
 template bool any_too_wide<2>(const ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
 template bool any_too_wide<3>(const ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
-template std::vector<Split<2>> split_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int);
-template std::vector<Split<3>> split_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int);
+template std::vector<Split<2>> split_particles<2>(ParticleSet<2>&, const BackgroundMesh<2>&, unsigned int,
+                                                  const std::optional<FormerCells<2>>&);
+template std::vector<Split<3>> split_particles<3>(ParticleSet<3>&, const BackgroundMesh<3>&, unsigned int,
+                                                  const std::optional<FormerCells<3>>&);
 } // namespace kedge

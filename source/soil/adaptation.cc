@@ -104,9 +104,10 @@ template <int dim> typename CellAdaptation<dim>::Pass CellAdaptation<dim>::next(
 /// False where the forest has refused all that was flagged: to ask again would never end.
 template <int dim> bool CellAdaptation<dim>::change_cells()
 {
-  const auto before = mesh.triangulation().n_global_active_cells();
+  before = mesh.leaves();
+  const auto n_before = mesh.triangulation().n_global_active_cells();
   particles.carry_through([this] { mesh.triangulation().execute_coarsening_and_refinement(); });
-  return mesh.triangulation().n_global_active_cells() != before;
+  return mesh.triangulation().n_global_active_cells() != n_before;
 }
 
 /// By leaf: whether any rank's particles reach into it. They reach no farther than through the neighbours of their own.

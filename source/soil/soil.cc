@@ -189,7 +189,8 @@ template <int dim> bool Soil<dim>::adapt(const RigidSystems& bodies, const Adapt
   {
     if (pass == Pass::cells)
     {
-      contacts.inherit(split_particles(points, grid, given.points_per_axis), bodies);
+      const FormerCells<dim> former{cells.former(), laws};
+      contacts.inherit(split_particles<dim>(points, grid, given.points_per_axis, former), bodies);
       balance_where_it_pays();
     }
     follow_particles();

@@ -35,6 +35,9 @@ public:
   /// Does one pass, if one is needed. Between two passes particles may be split or sent to other ranks. Collective.
   Pass next();
 
+  /// The leaves before the last pass that changed cells.
+  const LeafTable<dim>& former() const { return before; }
+
 private:
   std::vector<unsigned char> find_soil(const std::vector<unsigned char>& asked) const;
   std::vector<double> find_largest_sizes() const;
@@ -45,6 +48,7 @@ private:
   const RigidSystems& bodies;
   const Adaptivity& adaptivity;
   unsigned int points_per_axis;
+  LeafTable<dim> before;
   double finest;         ///< smallest size that is wanted anywhere, m
   bool refines;          ///< still
   bool gathered = false; ///< no cell changed since the last repartition
