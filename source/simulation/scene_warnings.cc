@@ -1,3 +1,4 @@
+#include "initial_stress.h"
 #include "step_limit.h"
 #include <algorithm>
 #include <cmath>
@@ -271,6 +272,8 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
         "base cells are {:.4g} m instead of the {:.4g} m requested: the base size must be the smallest size of "
         "any stage, {:.4g} m, times a power of two",
         grid.base_size, input.material_points.element_size, grid.finest_size));
+  for (std::string& warning : find_unborne_stress<dim>(input.material_points, grid, std::abs(input.gravity[dim - 1])))
+    warnings.push_back(std::move(warning));
   add_warnings_about_choices(input, grid.finest_size, warnings);
   add_warnings_about_hinges(input, warnings);
   add_warnings_about_steps<dim>(input, grid, warnings);

@@ -116,6 +116,18 @@ TEST(Warnings, BaseCellsThatAreSmallerThanAskedFor)
                  "base cells are 0.024 m instead of the 0.04 m requested");
 }
 
+TEST(Warnings, InitialStressBeyondTheYieldSurface)
+{
+  // friction of 35.5 degrees: 0.265 at the active limit, 3.77 at the passive one
+  const auto with = [](const std::string& K0)
+  { return warnings("plate-anchor-ts.json", {"material points.initial stress.K0=" + K0}); };
+  EXPECT_EQ(with("0.266"), std::vector<std::string>());
+  EXPECT_EQ(with("3.7"), std::vector<std::string>());
+  expect_warning(with("0.2"), "layer 1 does not bear the initial stress with \"K0\" = 0.2 from a depth of 0.01 m on");
+  expect_warning(with("0.2"), "bears 0.265");
+  expect_warning(with("5"), "bears 3.77");
+}
+
 TEST(Warnings, StepsInWhichABodyGoesTooFarForTheCells)
 {
   const std::string motion = "analysis.0.rigid body boundary conditions.0.boundary conditions.0.prescribed=";
