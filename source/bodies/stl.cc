@@ -16,6 +16,9 @@ namespace kedge
 {
 namespace
 {
+/// Coarsest resolution of the coordinates, over the largest edge of the body's box.
+constexpr double coarsest = 1e-3;
+
 constexpr std::size_t header_size = 84, facet_size = 50; // bytes of binary STL
 
 std::uint32_t announced_facets(std::string_view content)
@@ -158,6 +161,13 @@ TriangleMesh parse_ascii(std::string_view content, const std::string& json_path,
     words.expect("endfacet");
   }
 }
+
+/// Largest edge of the box around the vertices, m.
+double extent_of(const TriangleMesh& mesh)
+{
+  const auto [lower, upper] = bounds(mesh);
+  return (upper - lower).maxCoeff();
+}
 } // namespace
 
 TriangleMesh read_stl(const std::string& file, const std::string& json_path)
@@ -185,6 +195,13 @@ TriangleMesh read_stl(const std::string& file, const std::string& json_path)
   }
   // Most programs store coordinates in single precision: the resolution is a few of its roundings.
   const double resolution = 2. * std::numeric_limits<float>::epsilon() * largest;
+  if (const double extent = extent_of(soup); extent > 0. && resolution > coarsest * extent)
+    throw InputError(
+        json_path,
+        fmt::format("{}: coordinates of up to {:.3g} m leave single precision, in which most programs write "
+                    "them, {:.2g} m apart, which is too coarse for a body of {:.3g} m",
+                    file, largest, resolution, extent),
+        "export the surface near the origin and move it with \"offset\"");
   TriangleMesh mesh = merge_vertices(soup, resolution);
   check_surface(mesh, json_path, file, resolution / 4.);
   return mesh;

@@ -20,14 +20,29 @@ double turn(const Point& a, const Point& b, const Point& c)
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
+double distance(const Point& a, const Point& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
+
+/// Twice the area of a triangle that is none, m2: points along a slanted side lie on one line but for round-off, which
+/// must not make corners of them.
+double next_to_none(const Point& a, const Point& b, const Point& c)
+{
+  const double longest = std::max({distance(a, b), distance(b, c), distance(c, a)});
+  const double farthest = std::max({std::hypot(a[0], a[1]), std::hypot(b[0], b[1]), std::hypot(c[0], c[1])});
+  return 8. * std::numeric_limits<double>::epsilon() * (longest + farthest) * longest;
+}
+
+bool turns_left(const Point& a, const Point& b, const Point& c) { return turn(a, b, c) > next_to_none(a, b, c); }
+
+/// On the sides, too.
 bool holds(const Point& a, const Point& b, const Point& c, const Point& x)
 {
-  return turn(a, b, x) >= 0. && turn(b, c, x) >= 0. && turn(c, a, x) >= 0.;
+  const double least = -next_to_none(a, b, c);
+  return turn(a, b, x) >= least && turn(b, c, x) >= least && turn(c, a, x) >= least;
 }
 
 /// Triangulates a simple, counter-clockwise polygon by cutting ears. The list is incomplete if no ear is left before
 /// the end, as in a polygon that crosses itself. A corner that turns left never comes to turn right, so only those that
-/// turn right at the start can lie in an ear.
+/// do not turn left at the start can lie in an ear.
 std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& polygon)
 {
   std::vector<unsigned int> rest(polygon.size()), inward;
@@ -39,12 +54,12 @@ std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& poly
     return std::array<unsigned int, 3>{rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]};
   };
   for (std::size_t i = 0; i < rest.size(); ++i)
-    if (const auto [a, b, c] = corners(i); !(turn(polygon[a], polygon[b], polygon[c]) > 0.))
+    if (const auto [a, b, c] = corners(i); !turns_left(polygon[a], polygon[b], polygon[c]))
       inward.push_back(b);
   const auto is_ear = [&](const std::array<unsigned int, 3>& ear)
   {
     const Point &a = polygon[ear[0]], &b = polygon[ear[1]], &c = polygon[ear[2]];
-    return turn(a, b, c) > 0. &&
+    return turns_left(a, b, c) &&
            std::none_of(inward.begin(), inward.end(),
                         [&](unsigned int v)
                         { return v != ear[0] && v != ear[1] && v != ear[2] && holds(a, b, c, polygon[v]); });
@@ -64,8 +79,6 @@ std::vector<std::array<unsigned int, 3>> cut_ears(const std::vector<Point>& poly
 }
 
 std::string text_of(const Point& x) { return fmt::format("[{:.6g}, {:.6g}]", x[0], x[1]); }
-
-double distance(const Point& a, const Point& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
 
 /// Twice the area; positive where the outline runs counter-clockwise.
 double twice_area(const std::vector<Point>& outline)

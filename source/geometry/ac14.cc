@@ -25,6 +25,13 @@ double smooth_step(double from, double to, double x)
   return t * t * (3. - 2. * t);
 }
 
+/// Dimensions of an anchor of this kind, m.
+void require_length(const std::string& name, const double value)
+{
+  if (!(value >= 0.) || value > 10.)
+    throw InputError(name, fmt::format("{:g} m does not suit this body", value), "use 0 to 10 m");
+}
+
 void require_mesh(const PartMesh& mesh)
 {
   if (!(mesh.size >= 0.005) || mesh.size > 0.2)
@@ -78,6 +85,9 @@ OutlineChains shank_outline(const Ac14Shank& shank, const PartMesh& mesh)
 TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
 {
   require_mesh(mesh);
+  require_length("crown width", fluke.crown_width);
+  require_length("slot width", fluke.slot_width);
+  require_length("palm height", fluke.palm_height);
   const double w = fluke.crown_width / 2., s = fluke.slot_width / 2., length = fluke.length, x0 = length / 1.7;
   const auto rim_width = [=](const Vector2d& p) { return 0.12 - 0.065 * p[0] / length; };
   const double size = std::min(mesh.size, largest_size_on_palms);
@@ -106,6 +116,7 @@ TriangleMesh make_ac14_fluke(const Ac14Fluke& fluke, const PartMesh& mesh)
 TriangleMesh make_ac14_shank(const Ac14Shank& shank, const PartMesh& mesh)
 {
   require_mesh(mesh);
+  require_length("eye radius", shank.eye_radius);
   const auto rim_width = [](const Vector2d&) { return 0.065; };
   const Planform planform = triangulate_outline(shank_outline(shank, mesh), rim_width, mesh.size, mesh.segments);
   const double middle = shank.start + shank.length / 2.;

@@ -200,6 +200,14 @@ void add_ac14(CLI::App& geometry, const std::shared_ptr<Dimensions>& d)
   ac14.add_option("--edge-segments", d->part_mesh.segments, "facets over a quarter turn of roundings")
       ->check(CLI::Range(1U, most_segments))
       ->capture_default_str();
+  ac14.parse_complete_callback(
+      [&ac14, d]
+      {
+        const bool fluke = d->part == "fluke";
+        for (const std::string name : {"--crown-width", "--slot-width", "--palm-height", "--eye-radius"})
+          if (ac14.count(name) > 0 && fluke == (name == "--eye-radius"))
+            throw CLI::ValidationError(name, fmt::format("belongs to the {}", fluke ? "shank" : "fluke"));
+      });
 }
 } // namespace
 

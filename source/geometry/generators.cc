@@ -190,17 +190,19 @@ TriangleMesh make_sphere(double radius, unsigned int segments)
 
 namespace
 {
-/// Radius of a sharp frustum at its wider base for which the rounded rim has radius R: R + r (s + sqrt(1 + s^2) - 1),
-/// with the slope s of the flank and the rounding radius r.
+/// Radius F of a sharp frustum at its wider base for which the rounded rim has radius R: F = R - r + y with
+/// y = r (s + sqrt(1 + s^2)), the slope s = (F - narrow radius) / length of the flank and the rounding radius r <=
+/// length / 2. Infinite where the flank would lie across the axis.
 double flank_radius(double wide, double narrow, double length, double rounding_radius)
 {
-  double radius = wide;
-  for (unsigned int i = 0; i < 100; ++i) // contracts by about rounding_radius / length
-  {
-    const double slope = (radius - narrow) / length;
-    radius = wide + rounding_radius * (slope + std::sqrt(1. + slope * slope) - 1.);
-  }
-  return radius;
+  if (rounding_radius == 0.)
+    return wide;
+  // a y^2 - b y = r^2
+  const double w = wide - rounding_radius - narrow;
+  const double a = 1. - 2. * rounding_radius / length, b = 2. * rounding_radius * w / length;
+  const double root = std::sqrt(b * b + 4. * a * rounding_radius * rounding_radius);
+  const double y = b > 0. ? (b + root) / (2. * a) : 2. * rounding_radius * rounding_radius / (root - b);
+  return wide - rounding_radius + y;
 }
 } // namespace
 
@@ -213,6 +215,7 @@ TriangleMesh make_frustum(double major_diameter, double minor_diameter, double l
   require_sides(sides);
   const double wide = std::max(major_diameter, minor_diameter) / 2.,
                narrow = std::min(major_diameter, minor_diameter) / 2.;
+  require_rounding(rounding, length / 2.); // both rims' share of the flank
   const double flank = flank_radius(wide, narrow, length, rounding.radius);
   const bool narrows = major_diameter >= minor_diameter;
   const Profile sharp{{0., 0.}, {0., narrows ? flank : narrow}, {length, narrows ? narrow : flank}, {length, 0.}};

@@ -77,10 +77,13 @@ std::string hint_for(const NewtonReport& newton, const ResidualPlace& place, con
     return "Stiffer springs (\"normal penalty factor\"), a larger \"penetration tolerance\", or \"method\": "
            "\"penalty\" may help.";
   if (contains(failure, "linear system"))
-    return std::string("The system is close to singular: ") +
-           (input.solver.ghost_factor.value_or(1.) > 0. ? "a larger" : "a") +
-           " \"ghost factor\", a little cohesion, or \"linear solver\": \"direct\" may help, and conditions that hold "
-           "every body and the soil; a body that is free to turn needs \"rotational inertia\".";
+    return fmt::format(
+        "The system is close to singular: {} \"ghost factor\"{} may help, and conditions that hold every "
+        "body and the soil; a body that is free to turn needs \"rotational inertia\".",
+        input.solver.ghost_factor.value_or(1.) > 0. ? "a larger" : "a",
+        input.solver.linear_solver == LinearSolverChoice::direct
+            ? " or a little cohesion"
+            : ", a little cohesion, or \"linear solver\": \"direct\"");
   if (contains(failure, "moved by"))
     return "A free body leaps to another place where forces balance, as one that is caught or comes loose: shorter "
            "steps, rounder edges, finer cells or a stage that is \"dynamic\" may help.";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <kedge/base/kokkos.h>
 #include <kedge/solvers/direct.h>
+#include <new>
 #include <vector>
 
 namespace kedge
@@ -38,15 +39,22 @@ Eigen::SparseMatrix<double, Eigen::RowMajor> copy_rows(const TpetraMatrix& matri
   return rows;
 }
 
-/// Returns false if the matrix is singular. All rows and entries lie on this rank.
-bool factorise_and_solve(const TpetraMatrix& matrix, const TpetraMultiVector& b, TpetraMultiVector& x)
+enum class Outcome : int
+{
+  singular,
+  solved,
+  out_of_memory
+};
+
+/// All rows and entries lie on this rank.
+Outcome factorise_and_solve(const TpetraMatrix& matrix, const TpetraMultiVector& b, TpetraMultiVector& x)
 {
   const Eigen::SparseMatrix<double> columns = copy_rows(matrix);
   Factors factors;
   factors.umfpackControl()(UMFPACK_IRSTEP) = 0; // a step of refinement costs more than the solution itself
   factors.compute(columns);
-  if (factors.info() != Eigen::Success)
-    return false;
+  if (factors.info() != Eigen::Success) // of its errors, memory is the only one that a sound matrix can have
+    return factors.umfpackFactorizeReturncode() < 0 ? Outcome::out_of_memory : Outcome::singular;
   const auto from = b.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto to = x.getLocalViewHost(Tpetra::Access::OverwriteAll);
   Eigen::VectorXd side(columns.rows()), solution;
@@ -58,9 +66,17 @@ bool factorise_and_solve(const TpetraMatrix& matrix, const TpetraMultiVector& b,
     for (Eigen::Index i = 0; i < side.size(); ++i)
       to(i, j) = solution[i];
     if (!solution.allFinite())
-      return false;
+      return Outcome::singular;
   }
-  return true;
+  return Outcome::solved;
+}
+
+/// Throws where memory was short.
+bool is_solved(const Outcome outcome)
+{
+  if (outcome == Outcome::out_of_memory)
+    throw std::bad_alloc();
+  return outcome == Outcome::solved;
 }
 } // namespace
 
@@ -70,7 +86,7 @@ bool solve_directly(const TpetraMatrix& matrix, const TpetraMultiVector& b, Tpet
     return true;
   const auto communicator = matrix.getComm();
   if (communicator->getSize() == 1)
-    return factorise_and_solve(matrix, b, x);
+    return is_solved(factorise_and_solve(matrix, b, x));
 
   // Rows are packed on the host, which Tpetra refuses while somebody else, as System, holds their values on the device.
   const TpetraMatrix own(matrix, Teuchos::Copy);
@@ -83,11 +99,11 @@ bool solve_directly(const TpetraMatrix& matrix, const TpetraMultiVector& b, Tpet
   gathered.fillComplete();
   TpetraMultiVector gathered_b(map, n_sides), gathered_x(map, n_sides);
   gathered_b.doImport(b, to_first, Tpetra::INSERT);
-  int solved = 1;
+  int outcome = 0;
   if (first)
-    solved = factorise_and_solve(gathered, gathered_b, gathered_x);
-  Teuchos::broadcast(*communicator, 0, &solved);
+    outcome = static_cast<int>(factorise_and_solve(gathered, gathered_b, gathered_x));
+  Teuchos::broadcast(*communicator, 0, &outcome);
   x.doExport(gathered_x, to_first, Tpetra::INSERT);
-  return solved != 0;
+  return is_solved(static_cast<Outcome>(outcome));
 }
 } // namespace kedge

@@ -165,6 +165,7 @@ struct LinearSolver::Implementation
     list->set("Flexible Gmres", basis <= short_basis);
     list->set("Maximum Iterations", static_cast<int>(max_iterations));
     list->set("Num Blocks", static_cast<int>(basis));
+    list->set("Maximum Restarts", static_cast<int>(max_iterations / basis + 1)); // the iterations are the limit
     list->set("Convergence Tolerance", tolerance);
     list->set("Implicit Residual Scaling", "Norm of RHS"); // also where x is not 0
     list->set("Explicit Residual Scaling", "Norm of RHS");

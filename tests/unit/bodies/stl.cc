@@ -211,6 +211,15 @@ TEST_F(Stl, NotANumberIsRefused)
   expect_refusal("triangle 3 has a coordinate that is not a finite number");
 }
 
+TEST_F(Stl, CoordinatesFarFromTheOriginAreRefusedForWhatTheyAre)
+{
+  TriangleMesh mesh = test::unit_box();
+  for (Eigen::Vector3d& x : mesh.vertices)
+    x[0] += 4e6;
+  put(ascii(mesh));
+  expect_refusal("near the origin");
+}
+
 TEST_F(Stl, DegenerateTriangleIsRefusedWithItsCorners)
 {
   TriangleMesh mesh = test::unit_box();

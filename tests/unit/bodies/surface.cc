@@ -316,6 +316,31 @@ TEST(Outline, EitherDirectionGivesTheSamePrism)
   EXPECT_NEAR((above.normal - Vector3d::UnitZ()).norm(), 0., 1e-15);
 }
 
+/// Round-off makes corners of both kinds of the points along a slanted side.
+TEST(Outline, SlantedSidesMayHaveManyPoints)
+{
+  const std::vector<std::vector<Eigen::Vector2d>> shapes{
+      {{0., 0.}, {1., 0.}, {0.3, 0.9}},
+      {{0., 0.}, {2., 0.}, {2., 1.}, {1., 1.}, {1., 2.}, {0., 2.}},
+      {{0., 0.}, {3., 0.}, {3., 2.}, {2., 2.}, {2., 1.}, {1., 1.}, {1., 2.}, {0., 2.}}};
+  for (const auto& corners : shapes)
+    for (int turn = 0; turn < 40 * 6; ++turn)
+    {
+      const int degrees = 9 * (turn / 6), parts = turn % 6 + 1;
+      const Eigen::Rotation2Dd turned(degrees * M_PI / 180.);
+      std::vector<std::array<double, 2>> outline;
+      for (std::size_t i = 0; i < corners.size(); ++i)
+        for (int k = 0; k < parts; ++k)
+        {
+          const double along = static_cast<double>(k) / parts;
+          const Eigen::Vector2d x = turned * ((1. - along) * corners[i] + along * corners[(i + 1) % corners.size()]) +
+                                    Eigen::Vector2d(1.7, 3.1);
+          outline.push_back({x[0], x[1]});
+        }
+      ASSERT_NO_THROW(extrude_outline(outline, "outline")) << degrees << " degrees, " << parts << " parts";
+    }
+}
+
 TEST(Outline, QueriesInThePlaneStayInThePlane)
 {
   const Surface surface(test::angle_section());

@@ -145,7 +145,14 @@ TEST(Ac14, ImpossibleDimensionsAreRefused)
   fluke = {};
   fluke.crown_width = 0.8; // fillets overlap
   EXPECT_THROW(make_ac14_fluke(fluke, {}), InputError);
+  fluke = {};
+  fluke.crown_width = 1e9; // triangles without end
+  EXPECT_THROW(make_ac14_fluke(fluke, {}), InputError);
+  fluke.crown_width = NAN;
+  EXPECT_THROW(make_ac14_fluke(fluke, {}), InputError);
   Ac14Shank shank;
+  shank.eye_radius = -1.;
+  EXPECT_THROW(make_ac14_shank(shank, {}), InputError);
   shank.eye_radius = 0.15; // the rim of the hole meets that of the eye
   EXPECT_THROW(make_ac14_shank(shank, {}), InputError);
   EXPECT_THROW(make_ac14_shank({}, {0., 4}), InputError);

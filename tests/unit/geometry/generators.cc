@@ -209,6 +209,24 @@ TEST(Frustum, RoundedSlantedSideKeepsLengthAndLargestDiameter)
   }
 }
 
+TEST(Frustum, RoundingOfNearlyHalfTheLengthKeepsTheDiameter)
+{
+  for (const auto& [D, d, L, r] : std::vector<std::array<double, 4>>{
+           {0.12, 0.05, 0.2, 0.0249}, {0.1, 0.08, 0.01, 0.0045}, {0.1, 0.1, 0.02, 0.01}, {0.1, 0.099, 0.02, 0.01}})
+  {
+    const TriangleMesh mesh = make_frustum(D, d, L, 48, {r, 4});
+    check_surface(mesh, "frustum");
+    expect_extent(mesh, {0., -D / 2., -D / 2.}, {L, D / 2., D / 2.});
+  }
+}
+
+TEST(Frustum, RoundingsThatDoNotFitAreRefused)
+{
+  for (const auto& [D, d, L, r] : std::vector<std::array<double, 4>>{
+           {0.1, 0.09, 0.02, 0.03}, {0.12, 0.05, 0.02, 1.}, {0.4, 0.2, 0.05, 0.025}, {0.12, 0.05, 0.2, INFINITY}})
+    EXPECT_THROW(make_frustum(D, d, L, 48, {r, 4}), InputError) << D << " " << d << " " << L << " " << r;
+}
+
 TEST(Frustum, SmallRoundingTendsToTheSharpFrustum)
 {
   const double sharp = mass_properties(make_frustum(0.12, 0.05, 0.2, 48, {})).volume;

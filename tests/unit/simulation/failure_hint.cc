@@ -44,6 +44,11 @@ TEST(FailureHint, FollowsTheCause)
 {
   EXPECT_NE(hint({}, "contacts still penetrate after 20 rounds").find("penetration tolerance"), std::string::npos);
   EXPECT_NE(hint({}, "the linear system could not be solved").find("singular"), std::string::npos);
+  EXPECT_NE(hint({}, "the linear system could not be solved").find("direct"), std::string::npos);
+  Input direct = input();
+  direct.solver.linear_solver = LinearSolverChoice::direct;
+  const NewtonReport failure = failed("the linear system could not be solved");
+  EXPECT_EQ(hint_for(failure, {}, direct.stages.front(), direct).find("direct"), std::string::npos);
   EXPECT_NE(hint({}, "the residual is not finite").find("inside out"), std::string::npos);
 }
 
