@@ -2,9 +2,22 @@
 #pragma once
 
 #include <kedge/bodies/surface.h>
+#include <random>
 
 namespace kedge::test
 {
+/// Points of a box, the same in every run.
+class RandomPoints
+{
+public:
+  RandomPoints(double lower, double upper) : uniform(lower, upper) {}
+  Eigen::Vector3d operator()() { return {uniform(engine), uniform(engine), uniform(engine)}; }
+
+private:
+  std::mt19937 engine{1};
+  std::uniform_real_distribution<double> uniform;
+};
+
 /// Box between two corners, two triangles per face.
 inline TriangleMesh box(const Eigen::Vector3d& lower, const Eigen::Vector3d& upper)
 {
