@@ -286,34 +286,6 @@ void add_lumped_mass(const ParticleArrays& particles, const StencilSet& stencils
       });
 }
 
-double largest_squared_frequency(const ParticleArrays& particles, const StencilSet& stencils,
-                                 const Materials& materials, const double least_share)
-{
-  double largest = 0.;
-  const unsigned int dim = stencils.dim;
-  Kokkos::parallel_reduce(
-      "stable step", Policy(0, particles.n),
-      KOKKOS_LAMBDA(const unsigned int p, double& most) {
-        const HenckyElasticity elasticity = materials(particles.layer(p)).elasticity(particles.young(p));
-        const ParticleNodes at = nodes_of(stencils, p);
-        const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-        double G[3][3] = {};
-        for (unsigned int v = 0; v < at.n; ++v)
-          if (at.value[v] > 0.)
-            for (unsigned int i = 0; i < dim; ++i)
-              for (unsigned int j = 0; j < dim; ++j)
-                G[i][j] += gradient[dim * v + i] * gradient[dim * v + j] / std::fmax(at.value[v], least_share);
-        double row_sum = 0.; // bounds the largest eigenvalue from above
-        for (unsigned int i = 0; i < dim; ++i)
-          row_sum = std::fmax(row_sum, std::fabs(G[i][0]) + std::fabs(G[i][1]) + std::fabs(G[i][2]));
-        const double stiffness = std::fmax(3. * elasticity.bulk(), 2. * elasticity.shear);
-        const double rate = integration_volume(particles, stencils, p) * stiffness / particles.mass(p) * row_sum;
-        most = std::fmax(most, rate);
-      },
-      Kokkos::Max<double>(largest));
-  return largest;
-}
-
 #define KEDGE_INSTANTIATE(dim)                                                                                         \
   template unsigned long advance_stress_and_force<dim>(const ParticleArrays&, const StencilSet&, const Materials&,     \
                                                        const NodalVector&, const ParticlePath&, const NodalVector&,    \

@@ -13,8 +13,8 @@ namespace kedge
 constexpr double least_volume_ratio = 0.1, largest_volume_ratio = 10.;
 /// Bounds on the stretch of a domain along an axis.
 constexpr double least_stretch = 0.1, largest_stretch = 1.99;
-/// Bounds on the volume of a domain that follows the flow over the particle's initial one.
-constexpr double least_flow_volume = 0.5, largest_flow_volume = 1.5;
+/// Bound on the volume of a domain that follows the flow over the particle's initial one, unless stress holds it there.
+constexpr double largest_flow_volume = 1.5;
 
 /// m3 (2-D: m2).
 template <int dim> double domain_volume(const double* data)
@@ -47,8 +47,9 @@ template <int dim> void bound_volume(double* data)
 }
 
 /// Lets the domain follow an increment of the deformation: its second moments along the axes become those of the
-/// deformed box, l_i^2 = sum_j (dF_ij l_j)^2, and its volume V0 J within bounds, J of the new F. Soil that is pulled
-/// apart along an axis then leaves no gaps between its domains; shear and rotation leave them as they are. dF is
+/// deformed box, l_i^2 = sum_j (dF_ij l_j)^2, and its volume V0 J of the new F: what is integrated is then what the
+/// cells hold. Soil that has opened without stress counts only up to a bound, for its voids hold none. Soil that is
+/// pulled apart along an axis leaves no gaps between its domains; shear and rotation leave them as they are. dF is
 /// row-major, 3 x 3.
 template <int dim> void follow_flow(double* data, const double* dF)
 {
@@ -62,7 +63,9 @@ template <int dim> void follow_flow(double* data, const double* dF)
     volume *= 2. * width[i];
   }
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(data + field::deformation_gradient);
-  const double aim = data[field::initial_volume] * std::clamp(F.determinant(), least_flow_volume, largest_flow_volume);
+  const double* strain = data + field::elastic_strain;
+  const double largest = std::max(largest_flow_volume, std::exp(strain[0] + strain[1] + strain[2]));
+  const double aim = data[field::initial_volume] * std::clamp(F.determinant(), least_volume_ratio, largest);
   for (unsigned int i = 0; i < dim; ++i)
     data[field::half_width + i] = width[i] * std::pow(aim / volume, 1. / dim);
 }

@@ -179,6 +179,7 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
           updated[3 * i + j] += dF(p, 3 * i + k) * F[3 * k + j];
     std::copy_n(updated, 9, F);
     bound_volume<dim>(data);
+    std::apply([&](const auto&... copy) { (copy.commit(p, data), ...); }, copies);
     if (domain_update == DomainUpdate::stretch)
       stretch_domain<dim>(data);
     if (domain_update == DomainUpdate::flow)
@@ -189,7 +190,6 @@ template <int dim> void ParticleSet<dim>::commit(const ParticleIncrements& incre
       follow_flow<dim>(data, change);
     }
 
-    std::apply([&](const auto&... copy) { (copy.commit(p, data), ...); }, copies);
     for (unsigned int i = 0; i < 3; ++i)
     {
       data[field::velocity + i] = moves ? data[field::velocity + i] + velocity_change(p, i) : 0.;

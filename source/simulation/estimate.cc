@@ -184,11 +184,14 @@ double estimate_critical_time_step(const Input& input, const Stage& stage)
   const double size = finest_size(stage.cells, base);
   double fastest = 0.;
   for (const Layer& layer : input.material_points.layers)
-    fastest = std::max(fastest, layer.material.young / (1. - 2. * std::min(layer.material.poisson, 0.499)) /
-                                    layer.material.density);
-  // two points per axis see |grad S|^2 / S of 16/3 over the cell's size squared, as largest_squared_frequency adds up
-  return 2. * size / std::sqrt(16. / 3. * fastest / stepping.mass_scaling);
+  {
+    const double young = layer.material.young, poisson = std::min(layer.material.poisson, 0.499);
+    const double constrained = young * (1. - poisson) / ((1. + poisson) * (1. - 2. * poisson));
+    fastest = std::max(fastest, std::sqrt(constrained / layer.material.density));
+  }
+  return size * std::sqrt(stepping.mass_scaling) / fastest; // of a row of cells with their masses at the nodes
 }
+
 /// In how many steps a requested one is made.
 unsigned int count_parts(const Input& input, const Stage& stage)
 {

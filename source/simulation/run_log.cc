@@ -69,8 +69,9 @@ void RunLog::resume(const SteppingParameters& stepping, const std::string& text,
 /// Below this share of the soil's own time step a warning says that contact makes it short.
 static constexpr double much_shorter = 0.1;
 
-void RunLog::tell_time_step(const SteppingParameters& stepping, const double critical, const double of_soil)
+void RunLog::tell_time_step(const SteppingParameters& stepping, const StableStep& stable)
 {
+  const double critical = stable.all;
   const std::size_t stage = summary.stages.size();
   if (!told_time_step)
     terminal.line(fmt::format("stage {}: critical time step {:.3g} s, {} {:.3g} s", stage, critical,
@@ -83,11 +84,11 @@ void RunLog::tell_time_step(const SteppingParameters& stepping, const double cri
                               stage, stepping.dt, critical));
     warned_of_time_step = true;
   }
-  if (critical < much_shorter * of_soil && !warned_of_springs)
+  if (critical < much_shorter * stable.soil && !warned_of_springs)
   {
     terminal.warn(fmt::format("stage {}: contact springs allow time steps of {:.3g} s, the soil alone of {:.3g} s; a "
                               "smaller \"normal penalty factor\" or more mass of free bodies makes them longer",
-                              stage, critical, of_soil));
+                              stage, critical, stable.soil));
     warned_of_springs = true;
   }
   told_time_step = true;

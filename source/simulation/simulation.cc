@@ -303,7 +303,7 @@ template <int dim> std::unique_ptr<TrialStep<dim>> Simulation<dim>::make_step()
     if (dumps_now())
       throw InputError("--step", fmt::format("step {} is explicit and solves no linear systems", step_number + 1));
     auto explicit_step = std::make_unique<ExplicitStep<dim>>(context);
-    log.tell_time_step(stage->stepping, explicit_step->critical_time_step(), explicit_step->soil_time_step());
+    log.tell_time_step(stage->stepping, explicit_step->stable_step());
     return explicit_step;
   }
   return std::make_unique<ImplicitStep<dim>>(context);

@@ -22,41 +22,10 @@ constexpr double noise_taken = 1e-3, most_noise_taken = 0.1;
 /// A node this much slower than what its force adds to its velocity in a time step counts as at rest.
 constexpr double at_rest = 1e-3;
 
-/// Least part of its mass that a point of the linear basis gives a node: without it the stable step vanishes as the
-/// point enters a cell. Boxes need none, there values and gradients fade away together.
-double least_share(const Basis basis) { return basis == Basis::mpm ? 0.02 : 0.; }
-
 using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 using ParticleVectors = View<double* [3]>;
 
 // Kernels have functions of their own, for nvcc refuses them in private ones of a class.
-
-/// Adds the springs' stiffness to `rate` of their nodes, by weight.
-void add_stiffness(const PointForces& points, const View<double*>& stiffness, const View<double*>& rate)
-{
-  Kokkos::parallel_for(
-      "contact stiffness", Policy(0, points.n()), KOKKOS_LAMBDA(const std::size_t i) {
-        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
-          add_to(rate(points.nodes(v)), stiffness(i) * points.weights(v));
-      });
-}
-
-/// Of a point: the sum over its nodes of weight times rate over mass.
-double largest_squared_frequency(const PointForces& points, const View<double*>& rate, const View<double*>& mass)
-{
-  double largest = 0.;
-  Kokkos::parallel_reduce(
-      "contact frequency", Policy(0, points.n()),
-      KOKKOS_LAMBDA(const std::size_t i, double& most) {
-        double sum = 0.;
-        for (unsigned int v = points.begin(i); v < points.begin(i + 1); ++v)
-          if (const unsigned int node = points.nodes(v); mass(node) > 0.)
-            sum += points.weights(v) * rate(node) / mass(node);
-        most = sum > most ? sum : most;
-      },
-      Kokkos::Max<double>(largest));
-  return std::fmax(0., largest); // without points the reduction leaves the least number
-}
 
 /// nodal = factor nodal / inertia
 void divide(const NodalVector& nodal, const double factor, const NodalVector& inertia)
@@ -133,27 +102,7 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
   Kokkos::deep_copy(mass, host_mass);
   Kokkos::deep_copy(inertia, host_inertia);
 
-  const double soil =
-      max_over_ranks(largest_squared_frequency(particles, basis.stencils, context.soil.materials(), share),
-                     basis.nodes.communicator) /
-      scaling;
-  soil_dt = 2. / std::sqrt(soil);
-  critical_dt = 2. / std::sqrt(soil + contact_squared_frequency());
-}
-
-/// The contact springs at a node share its mass in proportion to their stiffness there: the squared frequency of a
-/// spring of stiffness k and weights w_v alone is then the sum over its nodes of w_v R_v, R_v being the sum over all
-/// springs of k w_v / m_v. A body that is free adds no more than the sum of its springs' stiffness over its inertia.
-template <int dim> double ExplicitStep<dim>::contact_squared_frequency() const
-{
-  if (!context.stage.rigid_bodies)
-    return 0.;
-  const PointForces points = context.soil.contact().points_of_last_evaluation();
-  const View<double*> rate("contact stiffness", basis.nodes.n_local());
-  add_stiffness(points, context.soil.contact().point_stiffness(), rate);
-  node_exchange.sum_over_ranks(rate);
-  return max_over_ranks(largest_squared_frequency(points, rate, mass), basis.nodes.communicator) +
-         context.soil.contact().largest_body_frequency(context.bodies);
+  stable = find_stable_step(context, basis, {exchange, node_exchange, mass, inertia});
 }
 
 template <int dim> double ExplicitStep<dim>::duration() const
@@ -180,7 +129,7 @@ template <int dim> NewtonReport ExplicitStep<dim>::solve(const StepLoad& load_)
   const auto scope = context.timings.measure("time steps");
   load = load_;
   const SteppingParameters& stepping = context.stage.stepping;
-  const double longest = stepping.dt > 0. ? std::min(stepping.dt, critical_dt) : stepping.cfl * critical_dt;
+  const double longest = stepping.dt > 0. ? std::min(stepping.dt, stable.all) : stepping.cfl * stable.all;
   n_time_steps = std::max(1., std::ceil(duration() / longest * (1. - 1e-9)));
   begin();
 

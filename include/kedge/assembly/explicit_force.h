@@ -1,4 +1,4 @@
-// The kernels of explicit dynamics: forces along a path of many small increments, lumped mass, stable step.
+// The kernels of explicit dynamics: forces along a path of many small increments, lumped mass.
 #pragma once
 
 #include <kedge/assembly/internal_force.h>
@@ -37,11 +37,4 @@ unsigned long advance_stress_and_force(const ParticleArrays& particles, const St
 /// Adds m max(S_v, least share) to the mass (kg) of every local node v with S_v > 0.
 void add_lumped_mass(const ParticleArrays& particles, const StencilSet& stencils, double least_share,
                      const View<double*>& mass);
-
-/// Upper bound of the squared circular frequencies (1/s2) of this rank's soil with that mass. No system is faster than
-/// its fastest part (Irons & Treharne 1971), so the bound is the largest one of any single particle. A particle with
-/// the nodal masses m S_v is bounded by V/m times two largest eigenvalues: that of the elasticity (3 bulk or 2 shear)
-/// and that of the sum over nodes of grad S_v (x) grad S_v / S_v.
-double largest_squared_frequency(const ParticleArrays& particles, const StencilSet& stencils,
-                                 const Materials& materials, double least_share);
 } // namespace kedge

@@ -9,6 +9,7 @@
 #include <kedge/particles/cleaning.h>
 #include <kedge/simulation/simulation.h>
 #include <kedge/solvers/newton.h>
+#include <kedge/steps/stable_step.h>
 #include <kedge/time/clock.h>
 
 namespace kedge
@@ -44,7 +45,7 @@ public:
   void resume(const SteppingParameters& stepping, const std::string& text, unsigned int stage_number);
   /// Critical time step of an explicit stage and that of its soil alone, s: told once in a stage, with warnings once a
   /// given time step is longer, and where contact makes it much shorter than the soil does.
-  void tell_time_step(const SteppingParameters& stepping, double critical, double of_soil);
+  void tell_time_step(const SteppingParameters& stepping, const StableStep& stable);
   /// Counts the mass of what was removed, too.
   void tell_removed(const HopelessParticles& removed, unsigned int step);
   /// What has left the grid so far in this run. Counts its mass; warns at the first time.

@@ -4,7 +4,7 @@
 #include <kedge/assembly/explicit_force.h>
 #include <kedge/assembly/unseen_velocity.h>
 #include <kedge/bodies/explicit_motion.h>
-#include <kedge/steps/step_basis.h>
+#include <kedge/steps/stable_step.h>
 #include <optional>
 
 namespace kedge
@@ -33,13 +33,9 @@ public:
   long long n_dofs() const override { return dim * basis.nodes.n_global; }
   double basis_bytes() const override { return basis.bytes(); }
 
-  /// Bound below which central differences are stable, s; no time step is longer.
-  double critical_time_step() const { return critical_dt; }
-  /// That of the soil alone, s.
-  double soil_time_step() const { return soil_dt; }
+  const StableStep& stable_step() const { return stable; }
 
 private:
-  double contact_squared_frequency() const;
   RigidStep rigid_step() const;
   double duration() const; ///< of the step, s
   Eigen::Vector3d gravity() const;
@@ -61,7 +57,7 @@ private:
   NodalVector weight;                    ///< of all ranks, under full gravity, N
   NodalVector body_force;                ///< of all ranks, at the last time step, N
   bool has_body_force = false;           ///< whether it was found
-  double critical_dt = 0., soil_dt = 0.;
+  StableStep stable;
   unsigned int n_time_steps = 0; ///< of the last step
 
   StepLoad load;

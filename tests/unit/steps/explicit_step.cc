@@ -90,9 +90,9 @@ TEST(Explicit, MomentumIsTheImpulseOfContactAndWeight)
 TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
 {
   Block block(-9.81);
-  const double at_rest = ExplicitStep<3>(block.context()).critical_time_step();
+  const double at_rest = ExplicitStep<3>(block.context()).stable_step().all;
   block.stage.stepping.mass_scaling = 2.;
-  EXPECT_NEAR(ExplicitStep<3>(block.context()).critical_time_step(), std::sqrt(2.) * at_rest, 1e-12 * at_rest);
+  EXPECT_NEAR(ExplicitStep<3>(block.context()).stable_step().all, std::sqrt(2.) * at_rest, 1e-12 * at_rest);
   block.stage.stepping.mass_scaling = 1.;
 
   double least = at_rest;
@@ -105,7 +105,7 @@ TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
       particle.set_location(x);
     }
     block.particles.edit().sort_particles_into_subdomains_and_cells();
-    least = std::min(least, ExplicitStep<3>(block.context()).critical_time_step());
+    least = std::min(least, ExplicitStep<3>(block.context()).stable_step().all);
   }
   EXPECT_GT(least, 0.7 * at_rest);
 }
@@ -113,16 +113,16 @@ TEST(Explicit, StableStepGrowsWithMassAndHoldsForAnyPlaceOfTheBoxes)
 TEST(Explicit, ABodyOutOfReachLeavesTheStableStep)
 {
   Block block(-9.81);
-  const double alone = ExplicitStep<3>(block.context()).critical_time_step();
+  const double alone = ExplicitStep<3>(block.context()).stable_step().all;
   block.stage.rigid_bodies = true;
   block.bodies.points.emplace_back();
   block.bodies.points[0].pose.position = {10., 10., 10.};
   block.bodies.points[0].conditions.fill({DofCondition::Kind::fixed, 0.});
   block.bodies.surfaces.push_back({Surface(test::box({-0.3, -0.3, 0.}, {0.3, 0.3, 0.5})), 0});
-  EXPECT_DOUBLE_EQ(ExplicitStep<3>(block.context()).critical_time_step(), alone);
+  EXPECT_DOUBLE_EQ(ExplicitStep<3>(block.context()).stable_step().all, alone);
 }
 
-/// The bound is safe, and what it gives away is less than half.
+/// Where many time steps follow, the stable one is found: it is safe, and gives away less than a tenth.
 TEST(Explicit, StableStepIsWhereTheoryPutsIt)
 {
   const auto grows = [](const double share)
@@ -130,9 +130,10 @@ TEST(Explicit, StableStepIsWhereTheoryPutsIt)
     Block block(-9.81);
     block.load.gravity_factor = 0.;
     block.set_velocities([](const Eigen::Vector3d& x) { return Eigen::Vector3d(1e-6 * lively(50. * x)); });
+    block.stage.stepping.basis_step = 1.;
     ExplicitStep<3> step(block.context());
     block.stage.stepping.cfl = share; // a given "dt" would be cut to the critical one
-    block.stage.stepping.basis_step = 600. * share * step.critical_time_step();
+    block.stage.stepping.basis_step = 600. * share * step.stable_step().all;
     const double energy = block.kinetic_energy();
     const NewtonReport report = step.solve(block.load);
     if (!report.converged)
@@ -141,17 +142,17 @@ TEST(Explicit, StableStepIsWhereTheoryPutsIt)
     return block.kinetic_energy() > 1.5 * energy;
   };
   EXPECT_FALSE(grows(0.99));
-  EXPECT_TRUE(grows(1.8));
+  EXPECT_TRUE(grows(1.1));
 }
 
 TEST(Explicit, AGivenTimeStepAboveTheCriticalOneIsCut)
 {
   Block block(-9.81);
   ExplicitStep<3> step(block.context());
-  block.stage.stepping.basis_step = 10. * step.critical_time_step();
+  block.stage.stepping.basis_step = 10. * step.stable_step().all;
   for (const double dt_over_critical : {0.5, 5.})
   {
-    block.stage.stepping.dt = dt_over_critical * step.critical_time_step();
+    block.stage.stepping.dt = dt_over_critical * step.stable_step().all;
     const NewtonReport report = step.solve(block.load);
     EXPECT_TRUE(report.converged);
     EXPECT_EQ(report.iterations, dt_over_critical < 1. ? 20u : 10u);
@@ -165,7 +166,7 @@ TEST(Explicit, VelocitiesThatNoNodeSeesFade)
   const auto wave = [](const double x) { return std::sin(8. * M_PI * x); }; // +-1 at points 1/8 m apart
   block.set_velocities([&](const Eigen::Vector3d& x)
                        { return Eigen::Vector3d(0.01 * wave(x[0]) * wave(x[1]) * wave(x[2]), 0., 0.); });
-  const double energy = block.kinetic_energy(), time_step = ExplicitStep<3>(block.context()).critical_time_step();
+  const double energy = block.kinetic_energy(), time_step = ExplicitStep<3>(block.context()).stable_step().all;
   const auto advance = [&](const double time_steps, const unsigned int basis_steps)
   {
     block.stage.stepping.basis_step = block.stage.stepping.cfl * time_step * time_steps;
