@@ -48,11 +48,13 @@ Section<InterfaceParameters> interface_section(const bool required)
           (required ? std::string("; default: \"smaller\", because in undrained clay a higher total pressure does not "
                                   "make the interface stronger")
                     : otherwise));
-  section.optional("bonded", &P::bonded, maybe(on_off()),
-                   "\"on\": a corner of a material point stays bonded once it has touched the surface, or if it lies "
-                   "within half a point's size of a body that is wished in place; it resists any tension, and with "
-                   "adhesion \"smaller\" means the adhesion alone" +
-                       (required ? std::string("; default: \"off\"") : otherwise));
+  section.optional(
+      "bonded", &P::bonded, maybe(on_off()),
+      "\"on\": a corner of a material point stays bonded once it has touched the surface, or if it lies "
+      "within half a point's size of a body that is wished in place; it resists any tension, also that of soil which "
+      "the end of a sliding body leaves behind, and with "
+      "adhesion \"smaller\" means the adhesion alone" +
+          (required ? std::string("; default: \"off\"") : otherwise));
   return section;
 }
 } // namespace kedge

@@ -125,7 +125,8 @@ void declare_edge_warning(Section<SurfaceParameters>& section)
 {
   section.optional("warn of sharp edges", &SurfaceParameters::warns_of_sharp_edges, on_off(),
                    "Warn where the soil at the surface is too coarse for its edges; \"off\" accepts that soil may slip "
-                   "past them");
+                   "past them, or hold them: an edge right above corners of points that its face has pressed meets "
+                   "up to four times the resistance, until it has moved on by what it has sunk in");
 }
 
 Section<SurfaceParameters> stl_section()

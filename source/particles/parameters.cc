@@ -12,9 +12,10 @@ using P = MaterialPointParameters;
 Section<Layer> layer_section()
 {
   Section<Layer> section("A soil layer as wide as the block");
-  section.required("thickness", &Layer::thickness, number("m", positive()),
-                   "Thickness; interfaces stay exact, the soil's surface is "
-                   "rounded up to a whole row of material points");
+  section.required(
+      "thickness", &Layer::thickness, number("m", positive()),
+      "Thickness; points end at the interface, but a cell on both sides of it deforms as one, so stiffness "
+      "is best changed at faces of cells; the soil's surface is rounded up to a whole row of points");
   section.required("material", &Layer::material, object_of(material_section()), "What the layer is made of");
   return section;
 }

@@ -27,11 +27,13 @@ std::string find_sharp_edge(const std::size_t number, const double radius, const
 {
   if (radius >= facets * 0.5 * particle)
     return "";
-  return fmt::format("surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
-                     "soil may slip past them, or its corners catch on them; take finer cells there, round them as "
-                     "kedge geometry --edge-radius does for plates and frusta, or accept it with \"warn of sharp "
-                     "edges\": \"off\"",
-                     number, radius, 0.5 * particle);
+  return fmt::format(
+      "surface {} has convex edges of radius {:.3g} m, sharper than half a material point ({:.3g} m): "
+      "soil may slip past them, or its corners catch on them, most of all where an edge begins right above "
+      "corners of points; take finer cells there, round them as "
+      "kedge geometry --edge-radius does for plates and frusta, or accept it with \"warn of sharp "
+      "edges\": \"off\"",
+      number, radius, 0.5 * particle);
 }
 
 /// Whether a limit by the smaller of friction and adhesion leaves no room for the adhesion.
