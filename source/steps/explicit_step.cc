@@ -79,6 +79,14 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
       replace_soil(context, basis);
   }
 
+  lump_mass();
+  const auto scope = context.timings.measure("stable step");
+  stable = find_stable_step(context, basis, {exchange, node_exchange, mass, inertia});
+}
+
+/// Finds mass, inertia and weight of the nodes.
+template <int dim> void ExplicitStep<dim>::lump_mass()
+{
   const auto scope = context.timings.measure("lumped mass");
   const ParticleArrays& particles = context.soil.particles().arrays();
   const double share = least_share(context.basis), scaling = context.stage.stepping.mass_scaling;
@@ -101,8 +109,6 @@ ExplicitStep<dim>::ExplicitStep(const StepContext<dim>& context_)
   }
   Kokkos::deep_copy(mass, host_mass);
   Kokkos::deep_copy(inertia, host_inertia);
-
-  stable = find_stable_step(context, basis, {exchange, node_exchange, mass, inertia});
 }
 
 template <int dim> double ExplicitStep<dim>::duration() const

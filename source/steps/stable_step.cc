@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <kedge/assembly/highest_frequency.h>
 #include <kedge/base/communication.h>
@@ -11,9 +12,6 @@ using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// Time steps from which on it pays to find the stable one: it costs as much as a few of them.
 constexpr double many_time_steps = 24.;
-
-/// Share by which springs must raise the bound to be looked at.
-constexpr double noticeably = 1.05;
 
 /// Adds the springs' stiffness to `rate` of their nodes, by weight.
 void add_stiffness(const PointForces& points, const View<double*>& stiffness, const View<double*>& rate)
@@ -70,6 +68,7 @@ template <int dim> std::vector<double> scattered_numbers(const StepContext<dim>&
   return numbers;
 }
 
+/// Whether time steps by a bound of the squared frequency are too many, or too short for a given one.
 bool pays(const SteppingParameters& stepping, const double squared_frequency)
 {
   const double dt = 2. / std::sqrt(squared_frequency);
@@ -87,10 +86,10 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
   const MPI_Comm communicator = basis.nodes.communicator;
   const ParticleArrays& particles = context.soil.particles().arrays();
   const SteppingParameters& stepping = context.stage.stepping;
-  double soil = max_over_ranks(bound_squared_frequency(particles, basis.stencils, context.soil.materials(),
-                                                       least_share(context.basis)),
-                               communicator) /
-                stepping.mass_scaling;
+  const double soil_bound = max_over_ranks(bound_squared_frequency(particles, basis.stencils, context.soil.materials(),
+                                                                   least_share(context.basis)),
+                                           communicator) /
+                            stepping.mass_scaling;
   ElasticSoil system{particles,
                      basis.stencils,
                      context.soil.materials(),
@@ -101,20 +100,25 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
                      communicator,
                      {},
                      {}};
-  const bool is_worth_it = pays(stepping, soil);
-  if (is_worth_it)
-    soil = find_squared_frequency<dim>(system, soil);
-  double all = soil;
+  double soil = soil_bound, all = soil_bound, bodies = 0.;
   if (context.stage.rigid_bodies)
   {
     system.points = context.soil.contact().points_of_last_evaluation();
     system.stiffness = context.soil.contact().point_stiffness();
     all += bound_of_springs(system.points, system.stiffness, lumped, communicator);
-    if (is_worth_it && all > noticeably * soil)
-      all = find_squared_frequency<dim>(system, all);
-    all += context.soil.contact().largest_body_frequency(context.bodies);
+    bodies = context.soil.contact().largest_body_frequency(context.bodies);
   }
-  return {2. / std::sqrt(all), 2. / std::sqrt(soil)};
+  if (pays(stepping, all + bodies))
+  {
+    all = find_squared_frequency<dim>(system, all);
+    soil = std::min(all, soil_bound);
+    if (all + bodies > soil_bound) // else springs matter so little that nobody asks for the soil alone
+    {
+      system.points = {};
+      soil = find_squared_frequency<dim>(system, soil_bound);
+    }
+  }
+  return {2. / std::sqrt(all + bodies), 2. / std::sqrt(soil)};
 }
 
 template StableStep find_stable_step<2>(const StepContext<2>&, const StepBasis&, const LumpedMass&);

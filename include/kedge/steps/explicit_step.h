@@ -36,6 +36,7 @@ public:
   const StableStep& stable_step() const { return stable; }
 
 private:
+  void lump_mass();
   RigidStep rigid_step() const;
   double duration() const; ///< of the step, s
   Eigen::Vector3d gravity() const;
