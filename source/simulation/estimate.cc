@@ -189,7 +189,8 @@ double estimate_critical_time_step(const Input& input, const Stage& stage)
     const double constrained = young * (1. - poisson) / ((1. + poisson) * (1. - 2. * poisson));
     fastest = std::max(fastest, std::sqrt(constrained / layer.material.density));
   }
-  return size * std::sqrt(stepping.mass_scaling) / fastest; // of a row of cells with their masses at the nodes
+  // of a row of cells with their masses at the nodes; for damping see find_stable_step()
+  return size * std::sqrt(stepping.mass_scaling / (1. + stepping.damping)) / fastest;
 }
 
 /// In how many steps a requested one is made.

@@ -100,6 +100,8 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
                      communicator,
                      {},
                      {}};
+  // Local damping works like a share of stiffness where motion turns in every time step, as it does at the limit.
+  const double damped = 1. + stepping.damping;
   double soil = soil_bound, all = soil_bound, bodies = 0.;
   if (context.stage.rigid_bodies)
   {
@@ -108,7 +110,7 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
     all += bound_of_springs(system.points, system.stiffness, lumped, communicator);
     bodies = context.soil.contact().largest_body_frequency(context.bodies);
   }
-  if (pays(stepping, all + bodies))
+  if (pays(stepping, damped * (all + bodies)))
   {
     all = find_squared_frequency<dim>(system, all);
     soil = std::min(all, soil_bound);
@@ -118,7 +120,7 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
       soil = find_squared_frequency<dim>(system, soil_bound);
     }
   }
-  return {2. / std::sqrt(all + bodies), 2. / std::sqrt(soil)};
+  return {2. / std::sqrt(damped * (all + bodies)), 2. / std::sqrt(damped * soil)};
 }
 
 template StableStep find_stable_step<2>(const StepContext<2>&, const StepBasis&, const LumpedMass&);
