@@ -165,11 +165,14 @@ std::vector<Field> select(const std::vector<Field>& all, const std::vector<std::
 } // namespace
 
 template <int dim>
-std::vector<std::vector<ParticleView>> particles_by_layer(const ParticleSet<dim>& particles, unsigned int n_layers)
+std::vector<std::vector<ParticleView>> particles_by_layer(const BackgroundMesh<dim>& mesh,
+                                                          const ParticleSet<dim>& particles, unsigned int n_layers)
 {
   std::vector<std::vector<ParticleView>> layers(n_layers);
   for (const auto& particle : particles.handler())
   {
+    if (!mesh.in_window(particle.get_surrounding_cell()))
+      continue;
     const double* data = particle.get_properties().data();
     layers.at(static_cast<unsigned int>(data[field::layer]))
         .push_back({static_cast<long long>(particle.get_id()), &particle.get_location()[0], data});
@@ -245,8 +248,10 @@ std::vector<std::string> column_names(const std::string& field, unsigned int n_c
   return columns;
 }
 
-template std::vector<std::vector<ParticleView>> particles_by_layer<2>(const ParticleSet<2>&, unsigned int);
-template std::vector<std::vector<ParticleView>> particles_by_layer<3>(const ParticleSet<3>&, unsigned int);
+template std::vector<std::vector<ParticleView>> particles_by_layer<2>(const BackgroundMesh<2>&, const ParticleSet<2>&,
+                                                                      unsigned int);
+template std::vector<std::vector<ParticleView>> particles_by_layer<3>(const BackgroundMesh<3>&, const ParticleSet<3>&,
+                                                                      unsigned int);
 template std::vector<ParticleField> select_particle_fields<2>(const std::vector<std::string>&,
                                                               const std::vector<StateVariable>&);
 template std::vector<ParticleField> select_particle_fields<3>(const std::vector<std::string>&,

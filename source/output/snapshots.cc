@@ -89,7 +89,7 @@ void OutputWriter<dim>::write_if_due(const Snapshot<dim>& state, const StepSpan&
     vtk_step = state.step;
   if (csv)
     csv_step = state.step;
-  const Layers layers = particles_by_layer(state.particles, n_layers);
+  const Layers layers = particles_by_layer<dim>(state.mesh, state.particles, n_layers);
 
   if (csv)
     write_tables(state, layers);

@@ -16,9 +16,10 @@ struct ParticleView
   const double *position, *data; ///< location (dim entries, m) and properties
 };
 
-/// The particles of this rank by layer, each list in the order of the numbers.
+/// The particles of this rank in the mesh's window by layer, each list in the order of the numbers.
 template <int dim>
-std::vector<std::vector<ParticleView>> particles_by_layer(const ParticleSet<dim>& particles, unsigned int n_layers);
+std::vector<std::vector<ParticleView>> particles_by_layer(const BackgroundMesh<dim>& mesh,
+                                                          const ParticleSet<dim>& particles, unsigned int n_layers);
 
 struct ParticleField
 {

@@ -101,7 +101,7 @@ TYPED_TEST(SceneGrids, ParticlesAreSplitByLayerAndSorted)
 {
   constexpr int dim = TypeParam::value;
   test::Scene<dim> scene;
-  const auto layers = particles_by_layer(scene.particles, 3);
+  const auto layers = particles_by_layer<dim>(scene.mesh, scene.particles, 3);
   ASSERT_EQ(layers.size(), 3u);
   EXPECT_EQ(sum_over_ranks(static_cast<long long>(layers[0].size()), MPI_COMM_WORLD), dim == 3 ? 2 : 1);
   EXPECT_EQ(sum_over_ranks(static_cast<long long>(layers[1].size()), MPI_COMM_WORLD), dim == 3 ? 4 : 2);
@@ -109,6 +109,25 @@ TYPED_TEST(SceneGrids, ParticlesAreSplitByLayerAndSorted)
   for (const auto& layer : layers)
     for (std::size_t i = 1; i < layer.size(); ++i)
       EXPECT_LT(layer[i - 1].id, layer[i].id);
+}
+
+TYPED_TEST(SceneGrids, ParticlesOutsideTheWindowAreLeftOut)
+{
+  constexpr int dim = TypeParam::value;
+  test::Scene<dim> scene;
+  const auto count = [&]
+  {
+    long long n = 0;
+    for (const auto& layer : particles_by_layer<dim>(scene.mesh, scene.particles, 2))
+      n += layer.size();
+    return sum_over_ranks(n, MPI_COMM_WORLD);
+  };
+  const long long all = count();
+  auto window = scene.mesh.leaves().window;
+  window.lower[0] = 1;
+  scene.mesh.set_window(window);
+  EXPECT_EQ(scene.particles.n_global(), all);
+  EXPECT_EQ(count(), dim == 3 ? 2 : 1); // of 6 or 3
 }
 
 RigidSystems turned_body(TriangleMesh mesh)
