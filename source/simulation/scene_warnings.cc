@@ -14,7 +14,8 @@ namespace
 constexpr double facets = 0.9; // a rounding of a few facets measures a little less than its radius
 constexpr double round_off = 1e-9;
 constexpr double much_smaller = 0.75;
-constexpr double parallel_within = 0.1; ///< angle of a hinge's axes, degrees
+constexpr double parallel_within = 0.1;  ///< angle of a hinge's axes, degrees
+constexpr double as_drawn_within = 0.01; ///< share of a rod's length
 constexpr unsigned int most_points = 4;
 /// Strength of the ghost stabilisation from which on it costs accuracy, and below which steps fail; no unit.
 constexpr double strongest_ghost = 0.3, weakest_ghost = 1e-3;
@@ -94,22 +95,33 @@ void add_warnings_about_surfaces(const Input& input, const RigidSystems& bodies,
     }
 }
 
-/// About hinges that turn their bodies as soon as they may.
-void add_warnings_about_hinges(const Input& input, std::vector<std::string>& warnings)
+/// What a joint does to its bodies as soon as it may; nothing where they begin as it holds them.
+std::string find_first_pull(const JointParameters& joint)
+{
+  using Vector = Eigen::Map<const Eigen::Vector3d>;
+  if (joint.type == JointType::hinge)
+  {
+    const Vector first(joint.direction_1.data()), second(joint.direction_2.data());
+    const double angle = std::atan2(first.cross(second).norm(), std::abs(first.dot(second))) * 180. / M_PI;
+    return angle > parallel_within ? fmt::format("\"direction 1\" and \"direction 2\" are {:.3g} degrees apart; the "
+                                                 "hinge turns its bodies until they are parallel",
+                                                 angle)
+                                   : "";
+  }
+  const double apart = (Vector(joint.position_2.data()) - Vector(joint.position_1.data())).norm();
+  if (joint.type == JointType::rod && std::abs(apart - joint.distance) > as_drawn_within * joint.distance)
+    return fmt::format("its ends are {:.4g} m apart, and \"distance\" is {:.4g} m; the rod pulls or pushes its bodies "
+                       "there in the first step",
+                       apart, joint.distance);
+  return "";
+}
+
+void add_warnings_about_joints(const Input& input, std::vector<std::string>& warnings)
 {
   for (std::size_t s = 0; s < input.systems.size(); ++s)
     for (std::size_t j = 0; j < input.systems[s].joints.size(); ++j)
-    {
-      const JointParameters& joint = input.systems[s].joints[j];
-      if (joint.type != JointType::hinge)
-        continue;
-      const Eigen::Map<const Eigen::Vector3d> first(joint.direction_1.data()), second(joint.direction_2.data());
-      const double angle = std::atan2(first.cross(second).norm(), std::abs(first.dot(second))) * 180. / M_PI;
-      if (angle > parallel_within)
-        warnings.push_back(fmt::format("rigid bodies[{}].constraints[{}]: \"direction 1\" and \"direction 2\" are "
-                                       "{:.3g} degrees apart; the hinge turns its bodies until they are parallel",
-                                       s, j, angle));
-    }
+      if (const std::string pull = find_first_pull(input.systems[s].joints[j]); !pull.empty())
+        warnings.push_back(fmt::format("rigid bodies[{}].constraints[{}]: {}", s, j, pull));
 }
 
 /// About choices that experiments have shown to be poor; the manual has the numbers.
@@ -277,7 +289,7 @@ template <int dim> std::vector<std::string> find_warnings(const Input& input, co
   for (std::string& warning : find_unborne_stress<dim>(input.material_points, grid, std::abs(input.gravity[dim - 1])))
     warnings.push_back(std::move(warning));
   add_warnings_about_choices(input, grid.finest_size, warnings);
-  add_warnings_about_hinges(input, warnings);
+  add_warnings_about_joints(input, warnings);
   add_warnings_about_steps<dim>(input, grid, warnings);
   if (std::any_of(input.stages.begin(), input.stages.end(), [](const Stage& stage) { return stage.rigid_bodies; }))
     add_warnings_about_surfaces<dim>(input, bodies, grid, warnings);

@@ -56,6 +56,12 @@ TEST(Warnings, AdhesionThatIsNeverReached)
   EXPECT_EQ(warnings("strip-footing.json", {adhesive + ", \"bonded\": \"on\"}"}), std::vector<std::string>());
 }
 
+TEST(Warnings, RodsOfAnotherLengthThanTheyAreDrawnWith)
+{
+  expect_warning(warnings("drag-anchor-quick.json", {"rigid bodies.0.constraints.2.distance=8"}),
+                 "rigid bodies[0].constraints[2]: its ends are 9.5");
+}
+
 TEST(Warnings, HingesWhoseAxesAreNotParallel)
 {
   expect_warning(warnings("drag-anchor-quick.json", {"rigid bodies.0.constraints.0.direction 2=[0, 1, 0.1]"}),
