@@ -8,7 +8,8 @@ import numpy as np
 from kedge_runs import RunError
 from kedge_runs.run import Run
 
-from . import PlotError
+from . import OptionError, PlotError
+from .choice import choose
 from .resistance import fit_hyperbola, resistance_curve
 from .section import cut
 
@@ -19,18 +20,23 @@ def parser():
         prog="kedge-plot",
         description="Draws the results of a Kedge run as PNG files: the resistance of a body over its displacement "
                     "and a section through the soil. Without --resistance or --section it draws what the folder holds.",
-        epilog="Example: kedge-plot cube-output --section --field stress_zz --mesh")
+        epilog="Example: kedge-plot cube-output --section --field stress_zz --mesh. Exit codes: 0 done, 1 something to "
+               "draw is missing, 2 wrong options.")
     options.add_argument("folder", metavar="DIR", help="output folder of the run")
     options.add_argument("--output", metavar="DIR", help="folder for the PNG files (default: DIR/plots)")
     options.add_argument("--resistance", action="store_true", help="draw only the resistance")
     options.add_argument("--section", action="store_true", help="draw only the section")
 
     curve = options.add_argument_group("resistance")
-    curve.add_argument("--body", type=int, default=1, help="number of the rigid point, from 1 (default: 1)")
-    curve.add_argument("--axis", choices="xyz",
-                       help="axis of force and displacement (default: the one along which the body moves most)")
-    curve.add_argument("--stage", type=int, help="draw only this stage, from 1 (default: all)")
-    curve.add_argument("--area", type=float, help="projected area [m2]: draw the pressure instead of the force")
+    curve.add_argument("--body", type=int, help="number of the rigid point, from 1 (default: the one that is "
+                                                "prescribed to move, else 1)")
+    curve.add_argument("--axis", choices="xyz", help="axis of force and displacement (default: that of the prescribed "
+                                                     "motion, else the one along which the body moves most)")
+    curve.add_argument("--stage", type=int, action="append",
+                       help="draw only this stage, from 1; repeat it for several (default: the last one with a "
+                            "prescribed motion, else those since the bodies were placed)")
+    curve.add_argument("--area", type=float, help="projected area [m2], in plane strain the width [m]: draw the "
+                                                  "pressure instead of the force")
     curve.add_argument("--factor", type=float, default=1.,
                        help="factor on the force, such as 2 for a half model (default: 1)")
     curve.add_argument("--zero", action="store_true", help="subtract the first value of the force")
@@ -77,7 +83,7 @@ def main(arguments=None):
                  if asked or both]
     except RunError as error:
         print(f"kedge-plot: {error}", file=sys.stderr)
-        return 1
+        return 2 if isinstance(error, OptionError) else 1
     return 0 if True in drawn and False not in drawn else 1
 
 
@@ -88,7 +94,7 @@ def _attempt(plot, may_fail, run, target, options, caption):
         print(plot(run, target, options, caption))
         return True
     except RunError as error:
-        if not may_fail:
+        if not may_fail or isinstance(error, OptionError):
             raise
         print(f"kedge-plot: {error}", file=sys.stderr)
         return False if isinstance(error, PlotError) else None
@@ -106,17 +112,25 @@ def _plot_resistance(run, target, options, caption):
     from .figures import draw_resistance  # loaded only here: matplotlib takes a second
 
     if options.area is not None and not options.area > 0.:
-        raise PlotError(f"--area {options.area:g}: the area must be positive")
-    curve = resistance_curve(run.bodies(), options.body, options.axis, options.stage, options.factor,
-                             options.zero, run.start_of(options.body, options.stage or 1))
+        raise OptionError(f"--area {options.area:g}: the area must be positive")
+    columns = run.bodies()
+    reached = {int(stage) for stage in columns.get("stage", [])}
+    choice = choose(run.scene, reached, options.body, options.axis, options.stage)
+    start = run.start_of(choice.body, choice.stages[0] if choice.stages else 1)
+    curve = resistance_curve(columns, choice, options.factor, options.zero, start)
     fit = fit_hyperbola(curve.displacement, curve.force) if options.fit else None
-    path = target / f"resistance_body{options.body}_{curve.axis}.png"
-    draw_resistance(curve, path, options.area, fit, caption)
+    path = target / f"resistance_body{curve.body}_{curve.axis}.png"
+    title = f"Body {curve.body}"
+    if choice.stages and len(reached) > 1:
+        title += f", stage{'s' * (len(choice.stages) > 1)} {', '.join(map(str, choice.stages))}"
+    per_metre = "/m" if run.scene.get("dimension") == 2 else ""
+    draw_resistance(curve, path, options.area, fit, title, caption, per_metre)
     text = str(path)
     if fit:
-        scale, unit = (1e-3 / options.area, "kPa") if options.area else (1., "N")
+        scale, unit = (1e-3 / options.area, "kPa") if options.area else (1., "N" + per_metre)
+        slope = f"{unit}/m".replace("/m/m", "/m2")
         text += (f"\n  q = d / (1/k + d/q_lim): q_lim = {scale * fit.limit:.6g} +- {scale * fit.limit_error:.2g} {unit}"
-                 f", k = {scale * fit.stiffness:.6g} +- {scale * fit.stiffness_error:.2g} {unit}/m"
+                 f", k = {scale * fit.stiffness:.6g} +- {scale * fit.stiffness_error:.2g} {slope}"
                  f"\n  98 % of q_lim at {1e3 * fit.displacement_at(0.98):.4g} mm; "
                  f"computed up to {1e3 * curve.displacement.max():.4g} mm")
     return text
@@ -125,7 +139,7 @@ def _plot_resistance(run, target, options, caption):
 def _require_ranges(option, numbers):
     for low, high in zip(numbers[::2], numbers[1::2]):
         if not low < high:
-            raise PlotError(f"{option}: {low:g} is not less than {high:g}")
+            raise OptionError(f"{option}: {low:g} is not less than {high:g}")
 
 
 def _plot_section(run, target, options, caption):
@@ -141,12 +155,23 @@ def _plot_section(run, target, options, caption):
     parts = ["section", options.plane, options.field.replace(" ", "_")]
     parts += [f"since_stage_{options.since}"] if options.since else []
     path = target / ("_".join(parts) + f"_{step:05d}.png")
-    title = f"Step {step}, {options.plane} = {options.at:g} m" + (f", since {since}" if since else "")
+    title = (f"Since {since}\n" if since else "") + moment(run, step)
+    if not section.is_flat:
+        title += f", {options.plane} = {options.at:g} m"
     draw_section(section, path, options.field, title, options.limits, options.window, caption, options.blocks)
     text = str(path) + note
     if options.area_above is not None:
         text += "\n  " + _area_above(section, options.area_above)
     return text
+
+
+def moment(run, step):
+    """Step, stage and time as a text, as far as the run says."""
+    stage, time = run.stage_of(step), run.time_of(step)
+    text = f"Step {step}" + (f", stage {stage}" if stage else "")
+    if time is None:
+        return text
+    return text + (f", load {time:.4g}" if run.stages[stage - 1].get("type") == "static" else f", {time:.4g} s")
 
 
 def _subtract_start(run, grids, step, options):

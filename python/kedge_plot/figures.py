@@ -21,20 +21,25 @@ _STYLE = {"font.size": 9, "axes.labelsize": 9, "axes.linewidth": 0.8, "figure.dp
 _UNITS = {"stress": ("kPa", 1e-3), "mean stress": ("kPa", 1e-3), "deviatoric stress": ("kPa", 1e-3),
           "displacement": ("mm", 1e3), "position": ("m", 1.), "initial position": ("m", 1.), "velocity": ("m/s", 1.),
           "acceleration": ("m/s²", 1.), "lp": ("m", 1.), "volume": ("m³", 1.), "initial volume": ("m³", 1.),
-          "young modulus": ("MPa", 1e-6), "contact gap": ("mm", 1e3)}
+          "young modulus": ("MPa", 1e-6), "contact gap": ("mm", 1e3), "intact strength": ("kPa", 1e-3)}
+_LOW = 2.4  # inches
+_COLOURS = matplotlib.colormaps["viridis"].with_extremes(bad="0.8")  # grey: soil without a value
 
 
-def unit_of(field):
-    """Unit in which a figure draws a field, and its factor from SI; an empty unit for numbers without dimension."""
+def unit_of(field, is_flat=False):
+    """Unit in which a figure draws a field, and its factor from SI; an empty unit for numbers without dimension.
+    is_flat: of a run in plane strain, whose volumes are per metre."""
     for name in sorted(_UNITS, key=len, reverse=True):
         if field.startswith(name):
-            return _UNITS[name]
+            unit, factor = _UNITS[name]
+            return unit.replace("m³", "m²") if is_flat else unit, factor
     return "", 1.
 
 
-def draw_resistance(curve, path, area=None, fit=None, caption=""):
-    """Draws force (kN) or, with an area (m2), pressure (kPa) over displacement (mm), and the hyperbola if any."""
-    scale, name, unit = (1e-3 / area, "Resistance", "kPa") if area else (1e-3, "Reaction force", "kN")
+def draw_resistance(curve, path, area=None, fit=None, title="", caption="", per_metre=""):
+    """Draws force (kN) or, with an area (m2), pressure (kPa) over displacement (mm), and the hyperbola if any.
+    per_metre: "/m" in plane strain, where forces are per metre and the area is a width."""
+    scale, name, unit = (1e-3 / area, "Resistance", "kPa") if area else (1e-3, "Reaction force", "kN" + per_metre)
     with plt.rc_context(_STYLE):
         figure, axes = plt.subplots(figsize=(4.5, 3.2), layout="constrained")
         axes.plot(1e3 * curve.displacement, scale * curve.force, "o" if fit else "-", ms=2.5, lw=1.2, color="C0",
@@ -48,22 +53,23 @@ def draw_resistance(curve, path, area=None, fit=None, caption=""):
         axes.set_xlabel(f"Displacement along {curve.axis} [mm]")
         axes.set_ylabel(f"{name} [{unit}]")
         axes.set_xlim(left=min(0., 1e3 * curve.displacement.min()))
-        if curve.force.min() >= 0.:
+        if 0. <= curve.force.min() < curve.force.max():
             axes.set_ylim(bottom=0.)
         axes.grid(True, lw=0.3, alpha=0.6)
         if fit:
             axes.legend(loc="lower right")
+        axes.set_title(title, loc="left", fontsize=9)
         _finish(figure, axes, caption, path)
 
 
 def draw_section(section, path, field, title="", limits=None, window=None, caption="", blocks=False):
     """Draws the soil with the bodies' outline. limits: range of the colours, in the drawn unit; window: part of the
     plane (left, right, bottom, top), m; blocks: one colour per material point."""
-    unit, factor = unit_of(field)
+    unit, factor = unit_of(field, section.is_flat)
     if np.isnan(section.values).all():
         raise PlotError(f"no material point in the section has a value of \"{field}\"")
-    # no colours run smoothly where some have none
-    blocks = blocks or np.isnan(np.concatenate([section.values, section.backdrop.values])).any()
+    has_gaps = np.isnan(np.concatenate([section.values, section.backdrop.values])).any()
+    blocks = blocks or has_gaps  # no colours run smoothly where some have none
     left, right, bottom, top = window or _extent(section)
     with plt.rc_context(_STYLE):
         width = 6.3
@@ -77,9 +83,12 @@ def draw_section(section, path, field, title="", limits=None, window=None, capti
             axes.add_collection(LineCollection(section.outline, colors="k", linewidths=1., capstyle="round"))
         axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"{section.axes[0]} [m]",
                  ylabel=f"{section.axes[1]} [m]")
-        axes.set_title(title, loc="left")
-        beside = make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.1)
-        figure.colorbar(soil, cax=beside, label=_label(field) + (f" [{unit}]" if unit else ""),
+        axes.set_title(title, loc="left", fontsize=9)
+        # beside a low section there is no room for the label
+        side, pad, lies = ("bottom", 0.45, "horizontal") if height - 0.8 < _LOW else ("right", 0.1, "vertical")
+        bar = make_axes_locatable(axes).append_axes(side, size=0.12, pad=pad)
+        label = _label(field) + (f" [{unit}]" if unit else "") + ("; grey: no value" if has_gaps else "")
+        figure.colorbar(soil, cax=bar, orientation=lies, label=label,
                         extend=_beyond(factor * section.values, *soil.get_clim()))
         _finish(figure, axes, caption, path)
 
@@ -111,7 +120,7 @@ def _add_filling(axes, boxes, factor, outline):
 
 def _add_blocks(axes, boxes, factor, _):
     # Lines or smoothing would let the background show between boxes that touch.
-    blocks = PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap="viridis",
+    blocks = PolyCollection(rectangle_corners(boxes.lower, boxes.upper), array=factor * boxes.values, cmap=_COLOURS,
                             linewidths=0., antialiased=False, rasterized=True)
     return axes.add_collection(blocks)
 
@@ -130,7 +139,7 @@ def _add_smooth(axes, boxes, factor, outline):
 
 def _add_shaded(axes, triangulation, values):
     """Like tripcolor, without its search for the limits of the axes, which takes longer than the drawing."""
-    mesh = TriMesh(triangulation, array=values, cmap="viridis", rasterized=True)
+    mesh = TriMesh(triangulation, array=values, cmap=_COLOURS, rasterized=True)
     return axes.add_collection(mesh, autolim=False)
 
 

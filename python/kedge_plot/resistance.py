@@ -16,28 +16,30 @@ class Curve:
     body: int
 
 
-def resistance_curve(columns, body=1, axis=None, stage=None, factor=1., zero=False, start=None):
+def resistance_curve(columns, choice, factor=1., zero=False, start=None):
     """The curve from the columns of rigid_body.csv.
 
-    axis: x, y or z; default: the one along which the body moves most. stage: take only the rows of this stage
-    (default: all). factor: 2 for a half model. zero:
-    subtract the first value of the force. start: position of the body before the first of these rows, m; default:
-    that of the row before, or of the first one.
+    choice: a choice.Choice of body, axis and stages. factor: 2 for a half model. zero: subtract the first value of the
+    force. start: position of the body before the first of these rows, m; default: that of the row before, if it belongs
+    to the same motion, or of the first one.
     """
+    body, axis = choice.body, choice.axis
+
     def column(field, axis):
         name = f"body{body}_{field}_{axis}"
         if name not in columns:
             bodies = sorted({key.split("_")[0] for key in columns if key.startswith("body")})
-            raise PlotError(f"rigid_body.csv has no column \"{name}\"; bodies in it: {', '.join(bodies) or 'none'}")
+            raise PlotError(f"rigid_body.csv, or an earlier part of it, has no column \"{name}\"; bodies in it: "
+                            f"{', '.join(bodies) or 'none'}")
         return columns[name]
 
     rows = np.ones(len(columns["time"]), dtype=bool)
     first = 0
-    if stage is not None:
-        rows = columns["stage"] == stage if "stage" in columns else np.zeros_like(rows)
+    if choice.stages:
+        rows = np.isin(columns["stage"], choice.stages) if "stage" in columns else np.zeros_like(rows)
         if not rows.any():
-            raise PlotError(f"rigid_body.csv has no rows of stage {stage}")
-        first = max(np.flatnonzero(rows)[0] - 1, 0)
+            raise PlotError(f"rigid_body.csv has no rows of stage {', '.join(map(str, choice.stages))}")
+        first = max(np.flatnonzero(rows)[0] - choice.is_continued, 0)
     if axis is None:
         axis = max("xyz", key=lambda a: np.ptp(column("position", a)[rows]))
     origin = column("position", axis)[first]

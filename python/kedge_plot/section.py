@@ -3,7 +3,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import PlotError
+from . import OptionError, PlotError
 from .fields import evaluate
 
 _LINE, _TRIANGLE, _QUAD, _HEXAHEDRON = 3, 5, 9, 12
@@ -21,7 +21,8 @@ class Backdrop:
 @dataclass
 class Section:
     """Rectangles (lower and upper corner in the two axes of the plane, m), a value for each, the bodies' outline as
-    segments (n, 2 ends, 2 coordinates), and the cells of the mesh (n, lower and upper corner, 2 coordinates)."""
+    segments (n, 2 ends, 2 coordinates), and the cells of the mesh (n, lower and upper corner, 2 coordinates). is_flat:
+    of a run in plane strain, all of which lies in the plane."""
     axes: str
     lower: np.ndarray
     upper: np.ndarray
@@ -29,6 +30,7 @@ class Section:
     outline: np.ndarray
     cells: np.ndarray
     backdrop: Backdrop
+    is_flat: bool = False
 
     def areas(self):
         """Area of each rectangle, m2."""
@@ -40,6 +42,10 @@ def cut(grids, surface, plane, at, field, mesh=None):
     value `at` (m)."""
     normal = "xyz".index(plane)
     kept = [i for i in range(3) if i != normal]
+    is_flat = any((grid.types == _QUAD).any() for grid in grids)
+    if is_flat and (plane != "y" or at != 0.):
+        raise OptionError(f"the plane {plane} = {at:g} m: a run in plane strain lies in the plane y = 0 alone; leave "
+                          "out --plane and --at")
     lower, upper, values, missed = [], [], [], []
     for grid in grids:
         boxes, value = box_bounds(grid), evaluate(grid.cell_data, field)
@@ -62,7 +68,7 @@ def cut(grids, surface, plane, at, field, mesh=None):
     outline = np.empty((0, 2, 2)) if surface is None else _outline(surface, normal, at)[:, :, kept]
     cells = np.empty((0, 2, 2)) if mesh is None else _cells(mesh, normal, at)[:, :, kept]
     return Section("".join("xyz"[i] for i in kept), lower, upper, values, outline, cells,
-                   Backdrop(*(array[order] for array in backdrop)))
+                   Backdrop(*(array[order] for array in backdrop)), is_flat)
 
 
 def _cells(mesh, normal, at):

@@ -11,8 +11,9 @@ from .vtu import read_grid
 
 
 class Run:
-    """The output folder of one run. The CSV and VTK folders below it may have any name. Files are read when they are
-    first needed, JSON and CSV files only once; a later change of such a file shows in a new Run."""
+    """The output folder of one run. input.json names the CSV and VTK folders below it; without that file they may have
+    any name. Files are read when they are first needed, JSON and CSV files only once; a later change of such a file
+    shows in a new Run."""
 
     def __init__(self, folder, log=""):
         """folder: of --output. log: what the program printed, where the caller has it."""
@@ -26,6 +27,11 @@ class Run:
     def input(self):
         """The content of input.json: the effective input."""
         return self._json("input.json")
+
+    @property
+    def scene(self):
+        """The effective input; empty where the folder does not hold it."""
+        return self.input if (self.folder / "input.json").is_file() else {}
 
     @functools.cached_property
     def summary(self):
@@ -50,6 +56,23 @@ class Run:
             raise RunError(f"{self.folder}: has no stage {stage}; it has stages 1 to {len(self.stages)}")
         return 1 + sum(entry["steps"] for entry in self.stages[:stage - 1])
 
+    def stage_of(self, step):
+        """The stage, from 1, that a step belongs to; None where the summary does not say."""
+        stages = self.summary.get("stages") or []
+        for stage in range(1, len(stages)):
+            if step <= self.step_before(stage + 1):
+                return stage
+        return len(stages) or None  # the last one may not know its steps yet
+
+    def time_of(self, step):
+        """Time within its stage of a step whose material points were written as VTK: s, in static stages the load
+        fraction. None where the lists of files do not hold it."""
+        stage, times = self.stage_of(step), self._vtk_times
+        if stage is None or step not in times:
+            return None
+        start = 0. if stage == 1 else times.get(self.step_before(stage))
+        return None if start is None else times[step] - start
+
     @property
     def newton_iterations(self):
         """Newton iterations of every step that the log shows."""
@@ -71,15 +94,17 @@ class Run:
         return points[body - 1] if 0 < body <= len(points) else None
 
     def bodies(self):
-        """The columns of rigid_body.csv by name."""
-        paths = sorted(self.folder.rglob("rigid_body.csv"))
-        if not paths:
-            raise RunError(f"{self.folder}: holds no rigid_body.csv; was \"csv\" on and is there a rigid body?")
-        if len(paths) > 1:
-            raise RunError(f"{self.folder}: holds several runs ({', '.join(map(str, paths))}); name one of them")
-        columns = self._table(paths[0])
+        """The columns of rigid_body.csv by name. Where a restart has changed them, the earlier rows of
+        rigid_body-<n>.csv come first, and only columns that all these tables have."""
+        last = self._csv_folder / "rigid_body.csv" if self._csv_folder else None
+        if last is None or not last.is_file():
+            raise RunError(f"{self._csv_folder or self.folder}: holds no rigid_body.csv; was \"csv\" on and is there a "
+                           "rigid body?")
+        earlier = {int(match[1]): path for path in self._csv_folder.glob("rigid_body-*.csv")
+                   if (match := re.fullmatch(r"rigid_body-(\d+)\.csv", path.name))}
+        columns = _joined([self._table(path) for path in [*(earlier[n] for n in sorted(earlier)), last]])
         if not len(next(iter(columns.values()))):
-            raise RunError(f"{paths[0]}: holds no rows yet")
+            raise RunError(f"{last}: holds no rows yet")
         return columns
 
     def body(self, name):
@@ -95,7 +120,7 @@ class Run:
         written."""
         steps = self.csv_steps()
         if not steps:
-            raise RunError(f"{self.folder}: holds no mps_*.csv; was \"csv\" on?")
+            raise RunError(f"{self._csv_folder or self.folder}: holds no mps_*.csv; was \"csv\" on?")
         paths = self._layers[steps[-1] if step is None else step]
         return np.concatenate([_column(self._table(path, skip=1), name, path) for path in paths])
 
@@ -114,7 +139,7 @@ class Run:
         """The material points of all layers at a step (default: the last) and that step, as a list of grids."""
         steps = self.vtk_steps()
         if not steps:
-            raise RunError(f"{self.folder}: holds no mps_1_*.vtu; was \"vtk\" on?")
+            raise RunError(f"{self._vtk_folder or self.folder}: holds no mps_1_*.vtu; was \"vtk\" on?")
         step = steps[-1] if step is None else step
         if step not in steps:
             raise RunError(f"no material points were written at step {step}; "
@@ -143,7 +168,7 @@ class Run:
         """Step and path of every whole file of a series; of a file in pieces only the .pvtu."""
         name = re.compile(re.escape(series) + r"_(\d+)\.p?vtu")
         found = {}
-        for path in sorted(self.folder.rglob(series + "_*vtu")):
+        for path in sorted(self._vtk_folder.glob(series + "_*vtu")) if self._vtk_folder else []:
             if match := name.fullmatch(path.name):
                 step = int(match[1])
                 if path.suffix == ".pvtu" or step not in found:
@@ -151,10 +176,41 @@ class Run:
         return sorted(found.items())
 
     @functools.cached_property
+    def _vtk_times(self):
+        """Times by step from the list of the first layer's files, over all stages."""
+        path = self._vtk_folder / "mps_1.pvd" if self._vtk_folder else None
+        text = path.read_text(encoding="utf-8", errors="replace") if path and path.is_file() else ""
+        return {int(step): float(time)
+                for time, step in re.findall(r'timestep="([^"]+)"[^>]*file="mps_1_(\d+)\.p?vtu"', text)}
+
+    @functools.cached_property
+    def _vtk_folder(self):
+        return self._folder_of("vtk", "mps_*vtu", "surface_*vtu", "mesh_*vtu")
+
+    @functools.cached_property
+    def _csv_folder(self):
+        return self._folder_of("csv", "mps_*.csv", "rigid_body.csv")
+
+    def _folder_of(self, kind, *names):
+        """The folder of this run's files of a kind, "vtk" or "csv"; None where it writes none. input.json names it, for
+        others may hold what an earlier run has left; without input.json there must be only one with such files."""
+        output = self.scene.get("output", {})
+        if self.scene:
+            is_on = output.get(kind) == "on" and f"{kind} directory" in output
+            return self.folder / output[f"{kind} directory"] if is_on else None
+        folders = {path.parent for path in self.folder.rglob("input.json")}
+        if len(folders) < 2:
+            folders = {path.parent for name in names for path in self.folder.rglob(name)}
+        if len(folders) > 1:
+            raise RunError(f"{self.folder}: holds several runs ({', '.join(map(str, sorted(folders)))}); name one of "
+                           "them")
+        return next(iter(folders), None)
+
+    @functools.cached_property
     def _layers(self):
         """By step, the CSV files of the layers in their order. Searched only once: a run may write hundreds."""
         result = {}
-        for path in self.folder.rglob("mps_*.csv"):
+        for path in self._csv_folder.glob("mps_*.csv") if self._csv_folder else []:
             result.setdefault(int(path.stem.rsplit("_", 1)[1]), []).append(path)
         for paths in result.values():
             paths.sort(key=lambda path: int(path.stem.split("_")[1]))
@@ -169,8 +225,25 @@ class Run:
         path = self.folder / name
         try:
             return json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except OSError as error:
+            raise RunError(f"{path}: cannot be read ({error.strerror})") from error
+        except ValueError as error:
             raise RunError(f"{path}: cannot be read ({error})") from error
+
+
+def _joined(tables):
+    """The rows of tables one after the other, with the columns that all have. A restart may begin before the end of the
+    table before: its own rows replace those from there on."""
+    tables = [table for table in tables if len(next(iter(table.values())))] or tables[-1:]
+    if len(tables) == 1:
+        return tables[0]
+    names = [name for name in tables[-1] if all(name in table for table in tables)]
+    parts, end = [], np.inf
+    for table in reversed(tables):
+        step = _column(table, "step", "rigid_body-<n>.csv")
+        parts.insert(0, {name: table[name][step < end] for name in names})
+        end = min(end, step.min())
+    return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
 def _read_table(path, skip):

@@ -68,7 +68,9 @@ def _read(study, case, folder):
     else:
         run = Run(folder / "output")
     curves = {name: _curve(study, name, run, case.names) for name in study.curves}
-    answers, notes = {}, []
+    answers = {}
+    notes = [f"the curve {name} has no finite value" for name, curve in curves.items()
+             if curve and len(curve[1]) and not np.isfinite(curve[1]).any()]
     for name in study.answers:
         answers[name] = _answer(study, name, run, case.names, curves, answers, notes)
     first = next(iter(curves.values()), None)
@@ -111,8 +113,9 @@ def _curve(study, name, run, names):
     if "where" in curve:
         rows &= np.asarray(evaluate(curve["where"], names | bound, f"{where}.where"), dtype=bool)
     bound = {key: values[rows] for key, values in bound.items()}
-    x, y = (np.broadcast_to(np.asarray(evaluate(curve[side], names | bound, f"{where}.{side}"), dtype=float),
-                            (np.count_nonzero(rows),)) for side in ("x", "y"))
+    with np.errstate(all="ignore"):  # a value that is not finite leaves a gap
+        x, y = (np.broadcast_to(np.asarray(evaluate(curve[side], names | bound, f"{where}.{side}"), dtype=float),
+                                (np.count_nonzero(rows),)) for side in ("x", "y"))
     return x, y
 
 
@@ -168,7 +171,7 @@ def _displacement(columns, run, body, axis, stage):
 
 
 def _answer(study, name, run, names, curves, answers, notes):
-    """A number; None where the run does not hold it. Adds to `notes` why a curve has none."""
+    """A number; None where the run does not hold it. Adds to `notes` why, unless the run did not come so far."""
     answer, where = study.answers[name], f"{study.path}: answers.{name}"
     known = names | {plain(key): np.float64(np.nan if value is None else value) for key, value in answers.items()}
     if "only" in answer and not evaluate(answer["only"], known, f"{where}.only"):
@@ -177,7 +180,8 @@ def _answer(study, name, run, names, curves, answers, notes):
         if "curve" in answer:
             limits = {key: evaluate(answer[key], known, f"{where}.{key}") for key in ("from", "to", "x")
                       if key in answer}
-            value = _of_curve(name, answer, limits, curves[answer["curve"]], notes)
+            value = _of_curve(name, answer, limits, curves[answer["curve"]], notes,
+                              may_end_early=run.summary and not run.is_finished)
         elif "summary" in answer:
             value = _of_summary(run.summary, answer["summary"])
         elif "points" in answer and run.summary and not run.is_finished:
@@ -195,17 +199,28 @@ def _answer(study, name, run, names, curves, answers, notes):
         raise
     except RunError:  # the run did not come so far
         return None
+    if value is not None and np.isinf(value):
+        notes.append(f"no {name}: it is infinite")
     return float(value) if value is not None and np.isfinite(value) else None
 
 
-def _of_curve(name, answer, limits, curve, notes):
+def _of_curve(name, answer, limits, curve, notes, may_end_early):
     if not curve:
         return None
     try:
-        return take(*curve, answer["take"], limits)
+        value = take(*curve, answer["take"], limits)
+        reason = "" if value is not None or may_end_early else f"there is none{_range_of(limits, curve[0])}"
     except StudyError as error:
-        notes.append(f"no {name} of the curve {answer['curve']}: {error}")
-        return None
+        value, reason = None, error
+    if reason:
+        notes.append(f"no {name} of the curve {answer['curve']}: {reason}")
+    return value
+
+
+def _range_of(limits, x):
+    """Where an answer is looked for, and where its curve lies, as a text."""
+    wanted = "".join(f" {'at' if key == 'x' else key} {float(limit):.4g}" for key, limit in limits.items())
+    return wanted + (f"; x lies between {x.min():.4g} and {x.max():.4g}" if len(x) else "; it has no rows")
 
 
 def _of_summary(summary, path):
@@ -226,7 +241,7 @@ def function_of(study, text, where):
     try:
         return getattr(_module(study.folder / file), name)
     except (OSError, AttributeError) as error:
-        raise StudyError(f"{where}.function: {text}: {error}") from error
+        raise StudyError(f"{where}.function: {text}: {getattr(error, 'strerror', None) or error}") from error
 
 
 @functools.lru_cache(maxsize=None)

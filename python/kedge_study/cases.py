@@ -130,8 +130,10 @@ def content_of(scene):
         return {}
     try:
         return json.loads(scene.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise StudyError(f"{scene}: cannot be read ({error})") from error
+    except OSError as error:
+        raise StudyError(f"{scene}: cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise StudyError(f"{scene}: not JSON ({error})") from error
 
 
 def _without_comments(value):

@@ -45,7 +45,8 @@ def parser():
     options.add_argument("--keep", action="store_true",
                          help="put table, curves and charts beside the study, too: the kept results")
     options.add_argument("--again", action="store_true", help="repeat the runs that are there")
-    options.add_argument("--mix", action="store_true", help="allow results of several versions of the program")
+    options.add_argument("--mix", action="store_true",
+                         help="allow results of several versions of the program; --draw needs no leave")
     return options
 
 
@@ -106,10 +107,16 @@ def _study(options):
         found = {case.key: found[case.key] for case in cases if case.key in found}
     if not found:
         raise StudyError(f"{study.path}: there are no results yet" + (" of this input" if options.draw else ""))
-    results.require_one_version(study, found, options.mix)
+    if mixed := results.mixed_versions(study, found):
+        mixed = f"the results come from several versions of the program ({mixed})"
+        if not options.mix and not options.draw:
+            raise StudyError(f"{study.path}: {mixed}; run the study again, or allow it with --mix")
+        print(f"{study.name}: {mixed}")
     results.add_relatives(study, found)
     results.add_references(study, found)
     results.write_table(study, found, output)
+    for line in page.notes(found.values()):
+        print(f"{study.name}: {line}", file=sys.stderr)
     print(page.write(study, parts, found, output, work))
     if options.keep:
         _keep(study, output)

@@ -56,7 +56,8 @@ def version_of(program):
     try:
         text = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError) as error:
-        raise StudyError(f"{program}: cannot be started ({error}); scripts/build builds it, --program names another"
+        reason = getattr(error, "strerror", None) or f"exit code {error.returncode}"
+        raise StudyError(f"{program}: cannot be started ({reason}); scripts/build builds it, --program names another"
                          ) from error
     found = re.search(r"commit ([^\s,)]+)", text)
     if found and found[1] != "unknown":

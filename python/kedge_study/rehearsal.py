@@ -1,6 +1,7 @@
 """Evaluates the expressions of a study on made-up numbers, so that a misspelt name ends it before its runs do."""
 import numpy as np
 
+from .answers import function_of
 from .expressions import evaluate, plain
 from .study import BODY_COLUMNS
 
@@ -8,11 +9,15 @@ ROWS = np.array([1., 2., 3.])
 
 
 def rehearse(study, case):
-    """Raises StudyError for the first expression that cannot be evaluated for a case. Columns of other tables than
-    rigid_body.csv are known only after a run, so their expressions are left out."""
+    """Raises StudyError for the first function that is missing, or expression that cannot be evaluated for a case.
+    Columns of other tables than rigid_body.csv are known only after a run, so their expressions are left out."""
     where = str(study.path)
     known = case.names | {plain(name): np.float64(1.) for name in study.answers}
     columns = {name: ROWS for name in (*study.columns, *BODY_COLUMNS)}
+    for group, entries in (("curves", study.curves), ("answers", study.answers)):
+        for name, entry in entries.items():
+            if "function" in entry:
+                function_of(study, entry["function"], f"{where}: {group}.{name}")
     with np.errstate(all="ignore"):
         for name, curve in study.curves.items():
             if curve.get("table", "bodies") == "bodies" and "function" not in curve:

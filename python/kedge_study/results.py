@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import StudyError, answers, records
+from . import answers, records
 from .expressions import evaluate
 from .study import RELATIVE_COSTS
 
@@ -181,9 +181,8 @@ def add_relatives(study, results):
             result.answers[name] = of(result) / below if below and of(result) is not None else None
 
 
-def require_one_version(study, results, may_mix):
-    """Refuses results of several versions of the program, unless the study compares programs or the user mixes them."""
-    commits = {result.provenance["commit"] for result in results.values()}
-    if len(commits) > 1 and not may_mix and not study.program:
-        raise StudyError(f"{study.path}: the results come from several versions of the program ({', '.join(commits)}); "
-                         "run the study again, or allow it with --mix")
+def mixed_versions(study, results):
+    """The versions of the program that results come from, where there are several and the study compares none; for a
+    message, else empty."""
+    commits = sorted({result.provenance["commit"] for result in results.values()})
+    return ", ".join(commits) if len(commits) > 1 and not study.program else ""

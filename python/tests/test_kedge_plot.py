@@ -6,6 +6,7 @@ import numpy as np
 from synthetic_run import TemporaryFolder, write_run
 
 from kedge_plot import PlotError
+from kedge_plot.choice import Choice
 from kedge_plot.resistance import fit_hyperbola, resistance_curve
 from kedge_runs.run import Run
 
@@ -39,42 +40,43 @@ class Fit(unittest.TestCase):
 
 
 class ResistanceCurve(TemporaryFolder):
-    def columns(self, **changes):
+    def curve(self, choice=Choice(1, None, None), factor=1., zero=False, start=None, **changes):
         columns = {f"body1_{field}_{axis}": np.zeros(4) for field in ("position", "reaction force") for axis in "xyz"}
         columns.update(time=np.arange(4.), stage=np.array([1., 1., 2., 2.]))
         columns.update(changes)
-        return columns
+        return resistance_curve(columns, choice, factor, zero, start)
 
     def test_axis_is_that_of_the_motion_and_signs_follow_it(self):
-        curve = resistance_curve(self.columns(**{"body1_position_z": np.array([5., 4., 3., 2.]),
-                                                 "body1_reaction force_z": np.array([0., -1., -2., -3.])}))
+        curve = self.curve(**{"body1_position_z": np.array([5., 4., 3., 2.]),
+                              "body1_reaction force_z": np.array([0., -1., -2., -3.])})
         self.assertEqual(curve.axis, "z")
         np.testing.assert_array_equal(curve.displacement, [0., 1., 2., 3.])
         np.testing.assert_array_equal(curve.force, [0., 1., 2., 3.])
 
     def test_stage_counts_from_the_end_of_the_one_before(self):
-        columns = self.columns(**{"body1_position_x": np.array([0., 1., 2., 4.])})
-        np.testing.assert_array_equal(resistance_curve(columns, stage=2).displacement, [1., 3.])
-        placed = resistance_curve(columns, stage=2, start=[1.5, 0., 0.])
-        np.testing.assert_array_equal(placed.displacement, [0.5, 2.5])
+        position = np.array([0., 1., 2., 4.])
+        second, placed = Choice(1, None, [2]), Choice(1, None, [2], is_continued=False)
+        np.testing.assert_array_equal(self.curve(second, body1_position_x=position).displacement, [1., 3.])
+        np.testing.assert_array_equal(self.curve(placed, body1_position_x=position).displacement, [0., 2.])
+        started = self.curve(second, start=[1.5, 0., 0.], body1_position_x=position)
+        np.testing.assert_array_equal(started.displacement, [0.5, 2.5])
 
     def test_half_model_and_zero(self):
-        columns = self.columns(**{"body1_position_x": np.arange(4.), "body1_reaction force_x": 5. + np.arange(4.)})
-        curve = resistance_curve(columns, factor=2., zero=True)
+        columns = {"body1_position_x": np.arange(4.), "body1_reaction force_x": 5. + np.arange(4.)}
+        curve = self.curve(factor=2., zero=True, **columns)
         np.testing.assert_array_equal(curve.force, [0., 2., 4., 6.])
 
     def test_displacement_counts_from_the_start(self):
-        columns = self.columns(body1_position_x=np.array([1., 2., 3., 5.]))
-        curve = resistance_curve(columns, axis="x", start=[0.5, 0., 0.])
+        curve = self.curve(Choice(1, "x", None), start=[0.5, 0., 0.], body1_position_x=np.array([1., 2., 3., 5.]))
         np.testing.assert_array_equal(curve.displacement, [0.5, 1.5, 2.5, 4.5])
 
     def test_missing_body_is_named(self):
         with self.assertRaisesRegex(PlotError, "body2_position_x.*bodies in it: body1"):
-            resistance_curve(self.columns(), body=2)
+            self.curve(Choice(2, None, None))
 
     def test_missing_stage_is_named(self):
         with self.assertRaisesRegex(PlotError, "no rows of stage 3"):
-            resistance_curve(self.columns(), stage=3)
+            self.curve(Choice(1, None, [3]))
 
     def test_row_cut_off_while_written_is_left_out(self):
         write_run(self.folder)

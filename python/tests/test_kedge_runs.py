@@ -71,6 +71,54 @@ class Tables(unittest.TestCase):
         with self.assertRaisesRegex(RunError, "several runs"):
             Run(self.folder).bodies()
 
+    def test_a_folder_with_the_vtk_files_of_several_runs_is_refused(self):
+        for name in ("a/vtk", "b/vtk"):
+            self.write(f"{name}/mps_1_00002.vtu", "")
+        with self.assertRaisesRegex(RunError, "several runs \\(.*a/vtk, .*b/vtk\\); name one"):
+            Run(self.folder).soil()
+        for name in ("a", "b"):
+            self.write(f"{name}/input.json", "{}")
+        with self.assertRaisesRegex(RunError, "several runs \\(.*/a, .*/b\\); name one"):
+            Run(self.folder).soil()
+
+    def test_the_input_names_the_folders_and_others_are_of_an_earlier_run(self):
+        for name, value in (("old", 1), ("new", 2)):
+            self.write(f"{name}/rigid_body.csv", f"time,step\n1,{value}\n")
+            self.write(f"{name}/mps_1_0000{value}.csv", "time,1\nvolume\n1\n")
+            self.write(f"{name}/mps_1_0000{value}.vtu", "")
+        output = {"csv": "on", "csv directory": "new", "vtk": "on", "vtk directory": "new"}
+        self.write("input.json", json.dumps({"output": output}))
+        run = Run(self.folder)
+        self.assertEqual((run.csv_steps(), run.vtk_steps(), list(run.body("step"))), ([2], [2], [2.]))
+        self.write("input.json", json.dumps({"output": output | {"csv": "off", "vtk": "off"}}))
+        run = Run(self.folder)
+        self.assertEqual((run.csv_steps(), run.vtk_steps()), ([], []))
+        with self.assertRaisesRegex(RunError, "holds no rigid_body.csv"):
+            run.bodies()
+
+    def test_rows_from_before_a_restart_with_other_columns_come_first(self):
+        self.write("rigid_body-10.csv", "time,b,c,stage,step\n4,40,0,1,5\n5,50,0,1,6\n")
+        self.write("rigid_body-2.csv", "time,a,b,stage,step\n2,0,20,1,3\n3,0,30,1,4\n")
+        self.write("rigid_body-1.csv", "time,b,stage,step\n1,10,1,2\n2,21,1,3\n")  # its last step was made again
+        self.write("rigid_body-old.csv", "time\n1\n")
+        self.write("rigid_body.csv", "time,b,d,stage,step\n5,51,0,1,6\n")
+        columns = Run(self.folder).bodies()
+        self.assertEqual(list(columns), ["time", "b", "stage", "step"])
+        np.testing.assert_array_equal(columns["step"], [2., 3., 4., 5., 6.])
+        np.testing.assert_array_equal(columns["b"], [10., 20., 30., 40., 51.])
+
+    def test_steps_have_stages_and_times_within_them(self):
+        self.write("summary.json", json.dumps({"stages": [{"steps": 2}, {"steps": 3}, {"steps": 0}]}))
+        entries = "".join(f'<DataSet timestep="{time}" part="0" file="mps_1_{step:05d}.pvtu"/>\n'
+                          for step, time in ((2, 0.5), (3, 1), (5, 1.5), (7, 2.25)))
+        self.write("mps_1.pvd", entries)
+        self.write("mps_1_00003.vtu", "")
+        run = Run(self.folder)
+        self.assertEqual([run.stage_of(step) for step in (1, 2, 3, 4, 6, 7)], [1, 1, 1, 2, 2, 3])
+        self.assertEqual([run.time_of(step) for step in (2, 3, 4, 5, 7)], [0.5, 1., None, 0.5, None])
+        (self.folder / "summary.json").unlink()
+        self.assertEqual((Run(self.folder).stage_of(3), Run(self.folder).time_of(3)), (None, None))
+
     def test_a_missing_column_is_named_beside_those_that_are_there(self):
         self.write("csv/rigid_body.csv", "time,step\n1,2\n")
         with self.assertRaisesRegex(RunError, "no column \"stage\"; it has time, step"):

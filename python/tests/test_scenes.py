@@ -34,7 +34,8 @@ class RunCase(unittest.TestCase):
                 rows = [",".join(map(repr, map(float, row))) for row in zip(*columns.values())]
                 (folder / "csv" / path).write_text(first + "\n".join([",".join(columns), *rows]) + "\n",
                                                    encoding="utf-8")
-        (folder / "input.json").write_text(json.dumps(scene or {}), encoding="utf-8")
+        scene = {"output": {"csv": "on", "csv directory": "csv"}} | (scene or {})
+        (folder / "input.json").write_text(json.dumps(scene), encoding="utf-8")
         (folder / "summary.json").write_text(json.dumps({"stages": list(stages)}), encoding="utf-8")
         return Run(folder, log)
 
