@@ -17,6 +17,20 @@ using Policy = Kokkos::RangePolicy<ExecutionSpace>;
 constexpr int fewest_products = 8, most_products = 24;
 /// Residual of the largest Ritz value at which it counts as found, as a share of it, and what is added to both.
 constexpr double accuracy = 0.05, margin = 0.05;
+/// What is left of a vector that is nothing but round-off, over the largest Ritz value: all frequencies are found.
+constexpr double nothing_left = 1e-6;
+
+/// Elastic stiffness of a particle over that of soil without stress. Under uniaxial pressure it is that of M (1 - ln J)
+/// instead of the constrained modulus M, since forces act on areas that shrink.
+KEDGE_FUNCTION double stiffening(const ParticleArrays& particles, const unsigned int p,
+                                 const HenckyElasticity& elasticity)
+{
+  const SymmetricTensor s = row_of(particles.trial_stress, p);
+  const double xy = std::fabs(s[3]), yz = std::fabs(s[4]), xz = std::fabs(s[5]);
+  const double pressure =
+      std::fmax(std::fmax(xy + xz - s[0], xy + yz - s[1]), xz + yz - s[2]); // a bound of the largest
+  return 1. + std::fmax(0., pressure) / (elasticity.lame + 2. * elasticity.shear);
+}
 
 /// Adds V sigma grad S of every particle for the elastic stress of nodal displacements.
 template <int dim>
@@ -30,7 +44,7 @@ void add_elastic_force(const ElasticSoil& soil, const NodalVector& displacement,
         typename Lanes<dim>::Type H[dim];
         displacement_gradient<dim>(stencils, displacement, p, H);
         const HenckyElasticity elasticity = materials(particles.layer(p)).elasticity(particles.young(p));
-        const double volume = integration_volume(particles, stencils, p);
+        const double volume = integration_volume(particles, stencils, p) * stiffening(particles, p, elasticity);
         double dilation = 0., stress[dim][dim];
         for (int i = 0; i < dim; ++i)
           dilation += H[i][i];
@@ -114,7 +128,8 @@ double bound_squared_frequency(const ParticleArrays& particles, const StencilSet
         double row_sum = 0.; // bounds the largest eigenvalue from above
         for (unsigned int i = 0; i < dim; ++i)
           row_sum = std::fmax(row_sum, std::fabs(G[i][0]) + std::fabs(G[i][1]) + std::fabs(G[i][2]));
-        const double stiffness = std::fmax(3. * elasticity.bulk(), 2. * elasticity.shear);
+        const double stiffness =
+            std::fmax(3. * elasticity.bulk(), 2. * elasticity.shear) * stiffening(particles, p, elasticity);
         const double rate = integration_volume(particles, stencils, p) * stiffness / particles.mass(p) * row_sum;
         most = std::fmax(most, rate);
       },
@@ -154,11 +169,16 @@ template <int dim> double find_squared_frequency(const ElasticSoil& soil, const 
     std::swap(before, x);
     Kokkos::deep_copy(x, force);
 
+    // Of numbers near 1, for the solver takes large ones for ever.
+    const double unit = diagonal.head(k + 1).maxCoeff();
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
-    ritz.computeFromTridiagonal(diagonal.head(k + 1), beside.head(k));
-    const double largest = ritz.eigenvalues()[k], residual = length * std::abs(ritz.eigenvectors()(k, k));
+    if (unit > 0.)
+      ritz.computeFromTridiagonal(diagonal.head(k + 1) / unit, beside.head(k) / unit);
+    if (!(unit > 0.) || ritz.info() != Eigen::Success)
+      return bound;
+    const double largest = unit * ritz.eigenvalues()[k], residual = length * std::abs(ritz.eigenvectors()(k, k));
     found = (1. + margin) * (largest + residual);
-    if (k + 1 >= fewest_products && residual <= accuracy * largest)
+    if (length <= nothing_left * largest || (k + 1 >= fewest_products && residual <= accuracy * largest))
       break;
   }
   return found > 0. ? std::min(found, bound) : bound;

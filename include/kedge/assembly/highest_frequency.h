@@ -34,6 +34,6 @@ struct ElasticSoil
 /// The largest squared circular frequency (1/s2) of all ranks' soil by Lanczos' method: the largest Ritz value plus its
 /// residual, by which an eigenvalue may lie above it, and a margin of 5 %. Typically within 5 % after 8 to 16 products,
 /// where the bound above gives two or three times as much. Never more than `bound`. Stiffness that F-bar adds is none:
-/// a mean of volume changes has less energy than they have. Collective.
+/// a mean of volume changes has less energy than they have. Pressure stiffens. Collective.
 template <int dim> double find_squared_frequency(const ElasticSoil& soil, double bound);
 } // namespace kedge
