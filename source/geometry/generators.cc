@@ -51,7 +51,7 @@ void require_positive(const std::string& name, double value)
 
 void require_rounding(const Rounding& rounding, double largest_radius)
 {
-  if (!(rounding.radius >= 0.) || rounding.radius > largest_radius)
+  if (!(rounding.radius >= 0.) || !(rounding.radius <= largest_radius))
     throw InputError("edge radius", fmt::format("{:g} m does not fit the body", rounding.radius),
                      fmt::format("use 0 to {:g} m", largest_radius));
   if (rounding.segments == 0)
@@ -217,6 +217,9 @@ TriangleMesh make_frustum(double major_diameter, double minor_diameter, double l
                narrow = std::min(major_diameter, minor_diameter) / 2.;
   require_rounding(rounding, length / 2.); // both rims' share of the flank
   const double flank = flank_radius(wide, narrow, length, rounding.radius);
+  if (!std::isfinite(flank))
+    throw InputError("edge radius", fmt::format("{:g} m leaves no flank between the rims", rounding.radius),
+                     fmt::format("use less than {:g} m", rounding.radius));
   const bool narrows = major_diameter >= minor_diameter;
   const Profile sharp{{0., 0.}, {0., narrows ? flank : narrow}, {length, narrows ? narrow : flank}, {length, 0.}};
   require_rounding(rounding, largest_fillet(sharp));
