@@ -11,8 +11,8 @@ namespace kedge
 /// Upper bound of the squared circular frequencies (1/s2) of this rank's soil where node v has the mass m max(S_v,
 /// least share) of each particle. No system is faster than its fastest part (Irons & Treharne 1971), so the bound is
 /// the largest one of any single particle. A particle with the nodal masses m S_v is bounded by V/m times two largest
-/// eigenvalues: that of the elasticity (3 bulk or 2 shear) and that of the sum over nodes of grad S_v (x) grad S_v /
-/// S_v.
+/// eigenvalues: that of the elasticity (3 bulk or 2 shear, more under pressure) and that of the sum over nodes of
+/// grad S_v (x) grad S_v / S_v.
 double bound_squared_frequency(const ParticleArrays& particles, const StencilSet& stencils, const Materials& materials,
                                double least_share);
 
