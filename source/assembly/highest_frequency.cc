@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <KokkosBlas1_axpby.hpp>
 #include <KokkosBlas1_dot.hpp>
+#include <KokkosBlas1_mult.hpp>
 #include <KokkosBlas1_scal.hpp>
 #include <algorithm>
 #include <cmath>
@@ -32,7 +33,7 @@ KEDGE_FUNCTION double stiffening(const ParticleArrays& particles, const unsigned
   return 1. + std::fmax(0., pressure) / (elasticity.lame + 2. * elasticity.shear);
 }
 
-/// Adds V sigma grad S of every particle for the elastic stress of nodal displacements.
+/// Adds the internal force of every particle for the elastic stress of nodal displacements.
 template <int dim>
 void add_elastic_force(const ElasticSoil& soil, const NodalVector& displacement, const NodalVector& force)
 {
@@ -41,27 +42,21 @@ void add_elastic_force(const ElasticSoil& soil, const NodalVector& displacement,
   const Materials materials = soil.materials;
   Kokkos::parallel_for(
       "elastic force", Policy(0, particles.n), KOKKOS_LAMBDA(const unsigned int p) {
+        const HenckyElasticity elasticity = materials(particles.layer(p)).elasticity(particles.young(p));
         typename Lanes<dim>::Type H[dim];
         displacement_gradient<dim>(stencils, displacement, p, H);
-        const HenckyElasticity elasticity = materials(particles.layer(p)).elasticity(particles.young(p));
-        const double volume = integration_volume(particles, stencils, p) * stiffening(particles, p, elasticity);
-        double dilation = 0., stress[dim][dim];
+        SymmetricTensor stress = SymmetricTensor::Zero();
+        double dilation = 0.;
         for (int i = 0; i < dim; ++i)
+        {
+          constexpr int entry[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
           dilation += H[i][i];
-        for (int i = 0; i < dim; ++i)
-          for (int j = 0; j < dim; ++j)
-            stress[i][j] =
-                volume * (elasticity.shear * (H[i][j] + H[j][i]) + (i == j ? elasticity.lame * dilation : 0.));
-        const ParticleNodes at = nodes_of(stencils, p);
-        const double* gradient = &stencils.gradient(dim * stencils.value_begin(p));
-        for (unsigned int v = 0; v < at.n; ++v)
-          for (int i = 0; i < dim; ++i)
-          {
-            double sum = 0.;
-            for (int j = 0; j < dim; ++j)
-              sum += stress[i][j] * gradient[dim * v + j];
-            add_to(force(std::size_t(dim) * at.node[v] + i), sum);
-          }
+          for (int j = 0; j <= i; ++j)
+            stress[entry[i][j]] = elasticity.shear * (H[i][j] + H[j][i]);
+        }
+        stress.head<3>().array() += elasticity.lame * dilation;
+        stress *= stiffening(particles, p, elasticity);
+        add_internal_force<dim>(particles, stencils, p, stress, Eigen::Matrix3d::Identity(), force);
       });
 }
 
@@ -81,13 +76,6 @@ template <int dim> void add_springs(const ElasticSoil& soil, const NodalVector& 
             add_to(force(std::size_t(dim) * points.nodes(v) + d), stiffness(i) * points.weights(v) * stretch);
         }
       });
-}
-
-/// product = factor x, entry by entry.
-void scale(const NodalVector& product, const NodalVector& factor, const NodalVector& x)
-{
-  Kokkos::parallel_for(
-      "scale", Policy(0, x.extent(0)), KOKKOS_LAMBDA(const std::size_t i) { product(i) = factor(i) * x(i); });
 }
 
 /// 1 / sqrt(inertia)
@@ -155,12 +143,12 @@ template <int dim> double find_squared_frequency(const ElasticSoil& soil, const 
   for (int k = 0; k < most_products && length > 0.; ++k)
   {
     KokkosBlas::scal(x, 1. / length, x);
-    scale(moved, roots, x);
+    KokkosBlas::mult(0., moved, 1., roots, x);
     Kokkos::deep_copy(force, 0.);
     add_elastic_force<dim>(soil, moved, force);
     add_springs<dim>(soil, moved, force);
     soil.exchange.sum_over_ranks(force);
-    scale(force, roots, force);
+    KokkosBlas::mult(0., force, 1., roots, force);
     diagonal[k] = dot(soil, x, force);
     KokkosBlas::axpy(-diagonal[k], x, force);
     if (k > 0)

@@ -90,28 +90,30 @@ StableStep find_stable_step(const StepContext<dim>& context, const StepBasis& ba
                                                                    least_share(context.basis)),
                                            communicator) /
                             stepping.mass_scaling;
-  ElasticSoil system{particles,
-                     basis.stencils,
-                     context.soil.materials(),
-                     lumped.inertia,
-                     lumped.of_dofs,
-                     std::size_t(dim) * basis.nodes.n_owned,
-                     scattered_numbers(context, basis.nodes),
-                     communicator,
-                     {},
-                     {}};
   // Local damping works like a share of stiffness where motion turns in every time step, as it does at the limit.
   const double damped = 1. + stepping.damping;
   double soil = soil_bound, all = soil_bound, bodies = 0.;
+  PointForces points;
+  View<double*> stiffness;
   if (context.stage.rigid_bodies)
   {
-    system.points = context.soil.contact().points_of_last_evaluation();
-    system.stiffness = context.soil.contact().point_stiffness();
-    all += bound_of_springs(system.points, system.stiffness, lumped, communicator);
+    points = context.soil.contact().points_of_last_evaluation();
+    stiffness = context.soil.contact().point_stiffness();
+    all += bound_of_springs(points, stiffness, lumped, communicator);
     bodies = context.soil.contact().largest_body_frequency(context.bodies);
   }
   if (pays(stepping, damped * (all + bodies)))
   {
+    ElasticSoil system{particles,
+                       basis.stencils,
+                       context.soil.materials(),
+                       lumped.inertia,
+                       lumped.of_dofs,
+                       std::size_t(dim) * basis.nodes.n_owned,
+                       scattered_numbers(context, basis.nodes),
+                       communicator,
+                       points,
+                       stiffness};
     all = find_squared_frequency<dim>(system, all);
     soil = std::min(all, soil_bound);
     if (all + bodies > soil_bound) // else springs matter so little that nobody asks for the soil alone
